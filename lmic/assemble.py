@@ -1,0 +1,104 @@
+"""Stage 5, assemble: families become one conic problem, minimise c·x with every F_k(x) ⪰ 0."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sps
+from numpy.typing import NDArray
+
+from lmic import svec
+from lmic.bind import Binding, Layout
+from lmic.relax.family import LMIFamily, Soundness
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class ConicProblem:
+    """minimise cost·x + constant subject to F_k(x) ⪰ 0 for every LMI of every family.
+
+    A feasibility problem has ``cost`` zero. ``matrix`` and ``offset`` hold svec(F_k(x)) =
+    matrix·x + offset, the LMIs one after another in the order of :meth:`blocks`.
+    """
+
+    binding: Binding
+    families: tuple[LMIFamily, ...]
+    cost: Array
+    constant: float
+
+    @property
+    def layout(self) -> Layout:
+        return self.binding.layout
+
+    @property
+    def size(self) -> int:
+        """Number of scalar unknowns."""
+        return len(self.cost)
+
+    @property
+    def soundness(self) -> Soundness:
+        return Soundness.weakest([family.soundness for family in self.families])
+
+    @cached_property
+    def orders(self) -> Array:
+        """Order of each LMI, in the order of the rows."""
+        return np.concatenate([np.full(len(family), family.lmi.order) for family in self.families])
+
+    @cached_property
+    def starts(self) -> Array:
+        """First row of each LMI, and the number of rows at the end."""
+        lengths = self.orders * (self.orders + 1) // 2
+        return np.concatenate([[0], np.cumsum(lengths)])
+
+    def blocks(self) -> Iterator[tuple[LMIFamily, int]]:
+        """Every LMI as (family, index within it)."""
+        for family in self.families:
+            for k in range(len(family)):
+                yield family, k
+
+    @cached_property
+    def columns(self) -> sps.csc_array:
+        """svec of all LMIs: column 0 the constant, column i the coefficient of x[i - 1]."""
+        rows, cols, values = [], [], []
+        start = 0
+        for family in self.families:
+            lmi, length = family.lmi, svec.length(family.lmi.order)
+            starts = start + length * np.arange(len(family))
+            rows.append((starts[:, None] + lmi.rows[None, :]).ravel())
+            cols.append(np.broadcast_to(lmi.columns, (len(family), len(lmi.columns))).ravel())
+            values.append((family.values * svec.weights(lmi.order)[lmi.rows][None, :]).ravel())
+            start += length * len(family)
+        shape = (start, self.size + 1)
+        stacked = sps.coo_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))), shape=shape).tocsc()
+        stacked.eliminate_zeros()
+        return stacked
+
+    @property
+    def matrix(self) -> sps.csc_array:
+        return self.columns[:, 1:]
+
+    @property
+    def offset(self) -> Array:
+        return self.columns[:, [0]].toarray().ravel()
+
+    def label(self, index: int) -> str:
+        """Name of the LMI number ``index``: performance, alpha: alpha1^2, alpha+: vertex 2."""
+        for family in self.families:
+            if index < len(family):
+                return ", ".join([family.lmi.place.lmi, *family.labels[index]])
+            index -= len(family)
+        raise IndexError(index)
+
+
+def assemble(binding: Binding, families: list[LMIFamily]) -> ConicProblem:
+    """The conic problem of a binding whose scalars are fixed."""
+    size = binding.layout.size
+    if binding.objective is None:
+        return ConicProblem(binding, tuple(families), np.zeros(size), 0.0)
+    row = binding.objective.evaluate({s: np.array([v]) for s, v in binding.values.items()})[0, 0]
+    return ConicProblem(binding, tuple(families), row[1:], float(row[0]))

@@ -1,0 +1,515 @@
+"""Stage 3, bind: plant data and the unknowns' bases enter; an LMI becomes Σ_m g_m(θ) F_m(x).
+
+Each F_m(x) = F_m0 + Σ_i x_i F_mi is affine in the unknowns' coordinates x. All F_m share one
+sparsity pattern, so the LMI is one sparse array: monomials x pattern.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import reduce
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sps
+import sympy as sp
+from numpy.typing import NDArray
+
+from lmic import svec
+from lmic.bases import DEFAULT, Choice, basis_functions
+from lmic.domains import Domain
+from lmic.errors import DomainError, Place, PlantError, ShapeError
+from lmic.expand import Factor, Factors, Selector, canonical
+from lmic.language.declarations import ScalarUnknown
+from lmic.language.nodes import Inverse, Leaf
+from lmic.language.parameters import Parameter, instance_symbol, rate_symbol
+from lmic.language.theorem import Theorem
+from lmic.plants.plant import Plant, exact_number
+from lmic.polynomials import MatrixPolynomial, Monomials, scalar_polynomial
+from lmic.terms import Term, TermList, affine_parts
+
+Array = NDArray[Any]
+
+
+# The unknowns and their coordinates -----------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class UnknownLayout:
+    """Columns of one unknown: basis function b and coordinate c sit at offset + b·count + c.
+
+    ``coordinate[i, j]`` is the coordinate of the matrix entry (i, j), -1 where it is always zero.
+    """
+
+    name: str
+    offset: int
+    coordinate: Array
+    functions: tuple[sp.Expr, ...]
+
+    @property
+    def count(self) -> int:
+        return int(self.coordinate.max()) + 1
+
+    @property
+    def size(self) -> int:
+        return self.count * len(self.functions)
+
+    @property
+    def columns(self) -> slice:
+        return slice(self.offset, self.offset + self.size)
+
+    def matrices(self, x: Array) -> Array:
+        """The unknown's matrix for each basis function, shape (functions, rows, cols)."""
+        coordinates = x[self.columns].reshape(len(self.functions), self.count)
+        padded = np.concatenate([coordinates, np.zeros((len(self.functions), 1))], axis=1)
+        return padded[:, self.coordinate]
+
+    def polynomial(self, x: Array) -> MatrixPolynomial:
+        """The unknown at the solution x, as a polynomial in the parameters' components."""
+        total = _combination(self.functions)
+        values = np.tensordot(total.coefficients[:, 0, :], self.matrices(x), axes=1)
+        return MatrixPolynomial(total.monomials, values)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names ↔ columns: where every unknown's coordinates stand in x."""
+
+    unknowns: Mapping[str, UnknownLayout]
+
+    @property
+    def size(self) -> int:
+        return sum(unknown.size for unknown in self.unknowns.values())
+
+    def label(self, column: int) -> str:
+        """The name of a column: ``P1[1,2] * alpha1``."""
+        for unknown in self.unknowns.values():
+            if unknown.offset <= column < unknown.offset + unknown.size:
+                function, coordinate = divmod(column - unknown.offset, unknown.count)
+                if unknown.coordinate.shape == (1, 1) and len(unknown.functions) == 1:
+                    return unknown.name
+                i, j = np.argwhere(unknown.coordinate == coordinate)[0] + 1
+                basis = unknown.functions[function]
+                return f"{unknown.name}[{i},{j}]" + ("" if basis == 1 else f" * {basis}")
+        raise IndexError(column)
+
+
+def _combination(functions: Sequence[sp.Expr]) -> MatrixPolynomial:
+    """The basis functions as a 1 x B polynomial."""
+    return MatrixPolynomial.from_sympy(sp.Matrix([list(functions)])).numeric()
+
+
+def coordinates(leaf: Leaf, shape: tuple[int, int], blocks: Sequence[int]) -> Array:
+    """Coordinate of each entry of an unknown: shared by symmetric pairs, -1 outside the blocks."""
+    rows, cols = np.indices(shape)
+    inside = np.ones(shape, dtype=bool)
+    if blocks:
+        member = np.repeat(np.arange(len(blocks)), blocks)
+        inside = member[rows] == member[cols]
+    key = np.where(leaf.symmetric, np.minimum(rows, cols) * shape[1] + np.maximum(rows, cols), rows * shape[1] + cols)
+    result = np.full(shape, -1)
+    _, inverse = np.unique(key[inside], return_inverse=True)
+    result[inside] = inverse
+    return result
+
+
+# The bound theorem ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ParametricLMI:
+    """F(θ, x) = Σ_m monomials[m](θ) · F_m(x) ≻ 0.
+
+    Entry p of the pattern is the packed matrix entry ``rows[p]`` (see :mod:`lmic.svec`) of the
+    coefficient of x[``columns[p]`` - 1], or of the constant F_m0 where ``columns[p]`` is 0.
+    ``coefficients`` is a sparse monomials x pattern array.
+    """
+
+    place: Place
+    partition: tuple[int, ...]
+    monomials: Monomials
+    rows: Array
+    columns: Array
+    coefficients: sps.csr_array
+
+    @property
+    def order(self) -> int:
+        return sum(self.partition)
+
+    def fixed(self, values: Mapping[sp.Symbol, float]) -> ParametricLMI:
+        """With the given scalars put in their values."""
+        known, rest = self.monomials.split(set(values))
+        if not known.atoms:
+            return self
+        merged, inverse = rest.merged()
+        weights = known.evaluate({symbol: np.array([value]) for symbol, value in values.items()})[0]
+        gather = sps.csr_array((weights, (inverse, np.arange(len(weights)))), shape=(len(merged), len(weights)))
+        return replace(self, monomials=merged, coefficients=(gather @ self.coefficients).tocsr())
+
+
+@dataclass(frozen=True)
+class Binding:
+    """A theorem with a plant: the parametric LMIs, the layout of the unknowns, and the objective.
+
+    ``objective`` and ``constant``: what is minimised is objective·x + constant, as polynomials in
+    the given scalars; ``instances`` names, for every parameter, the instances that occur.
+    """
+
+    theorem: Theorem
+    plant: Plant
+    sizes: Mapping[sp.Symbol, int]
+    layout: Layout
+    lmis: Mapping[str, ParametricLMI]
+    objective: MatrixPolynomial | None
+    instances: Mapping[str, tuple[Parameter, ...]]
+    domains: Mapping[str, Domain]
+    values: Mapping[sp.Symbol, float] = field(default_factory=dict)
+
+    def fixed(self, scalars: Mapping[str, Any]) -> Binding:
+        """The binding with every given scalar and plant scalar set; nothing is compiled again."""
+        values = scalar_values(self.theorem, self.plant, scalars)
+        lmis = {name: lmi.fixed(values) for name, lmi in self.lmis.items()}
+        return replace(self, lmis=lmis, values=values)
+
+
+def bind(
+    theorem: Theorem,
+    term_lists: Mapping[str, TermList],
+    plant: Plant,
+    dependence: Mapping[str, Choice] | None = None,
+    sizes: Mapping[str, int] | None = None,
+) -> Binding:
+    """Bind a plant's data and the dependence of the unknowns to a theorem's terms.
+
+    ``dependence`` maps an unknown's name to a :data:`lmic.bases.Choice`; ``sizes`` fixes
+    dimensions that no matrix of the plant determines. The given scalars stay symbolic.
+    """
+    place = Place(theorem.name)
+    domains = _domains(theorem, plant, place)
+    values = solve_sizes(theorem, plant, sizes or {}, place)
+    binder = _Binder(theorem, plant, domains, values, _layout(theorem, domains, values, dependence or {}, place))
+    return Binding(
+        theorem=theorem,
+        plant=plant,
+        sizes=values,
+        layout=binder.layout,
+        lmis={name: binder.lmi(terms) for name, terms in term_lists.items()},
+        objective=binder.objective(),
+        instances={name: tuple(found) for name, found in theorem.parameters.items()},
+        domains=domains,
+    )
+
+
+def scalar_values(theorem: Theorem, plant: Plant, scalars: Mapping[str, Any]) -> dict[sp.Symbol, float]:
+    """Values of all given scalars and plant scalars; raises for a missing or unknown one."""
+    place = Place(theorem.name)
+    wanted = {symbol.name for symbol in theorem.givens}
+    both = sorted(wanted & set(plant.scalars))
+    if both:
+        raise PlantError(f"{both[0]} is a scalar of the theorem and of {plant.name}; rename it in the plant", place)
+    unknown = sorted(set(scalars) - wanted - set(plant.scalars))
+    if unknown:
+        known = ", ".join(sorted(wanted | set(plant.scalars))) or "none"
+        raise PlantError(f"{unknown[0]} is no scalar of the theorem or of {plant.name} (there are: {known}); correct the name", place)
+    missing = sorted(wanted - set(scalars))
+    if missing:
+        raise PlantError(f"the scalar {missing[0]} has no value; give it, as {missing[0]}=1", place)
+    return {sp.Symbol(name): float(exact_number(value)) for name, value in {**plant.scalars, **scalars}.items()}
+
+
+def _domains(theorem: Theorem, plant: Plant, place: Place) -> dict[str, Domain]:
+    """The domain of every parameter of the theorem."""
+    domains: dict[str, Domain] = {}
+    for name, instances in theorem.parameters.items():
+        if name not in plant.domains:
+            known = ", ".join(plant.domains) or "no parameter"
+            raise DomainError(f"the parameter {name} has no domain in {plant.name}, which has {known}; add it there", place)
+        domain, required = plant.domains[name], instances[0].required
+        if required and domain.kind != required:
+            raise DomainError(f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}", place)
+        domains[name] = domain
+    return domains
+
+
+def solve_sizes(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place: Place) -> dict[sp.Symbol, int]:
+    """Values of the symbolic dimensions, from the shapes of the plant's matrices."""
+    values: dict[sp.Symbol, int] = {}
+    witness: dict[sp.Symbol, str] = {}
+    for name, leaf in theorem.data.items():
+        if name not in plant.matrices:
+            has = ", ".join(sorted(plant.matrices)) or "none"
+            raise PlantError(f"the matrix {name} ({leaf.shape[0]} x {leaf.shape[1]}) is missing in {plant.name}, which has {has}; add it", place)
+        for expression, found in zip(leaf.shape, plant.matrices[name].shape, strict=True):
+            if expression.is_Symbol and expression not in values:
+                values[expression], witness[expression] = found, name
+    unknown = sorted(set(plant.matrices) - set(theorem.data))
+    if unknown:
+        raise PlantError(
+            f"{plant.name} gives the matrix {unknown[0]}, which the theorem does not use; it uses {', '.join(theorem.data)}: "
+            "rename or remove it",
+            place,
+        )
+    symbols = set().union(*(size.free_symbols for node in theorem.nodes for leaf in node.leaves() for size in leaf.shape))
+    values |= {symbol: sizes[symbol.name] for symbol in symbols if symbol.name in sizes and symbol not in values}
+    for name, leaf in theorem.data.items():
+        found_shape = plant.matrices[name].shape
+        for axis, expression in enumerate(leaf.shape):
+            expected = expression.subs(values)
+            if expected != found_shape[axis]:
+                because = ", ".join(f"{s} = {values[s]} from {witness.get(s, 'sizes')}" for s in sorted(expression.free_symbols, key=str))
+                raise ShapeError(
+                    f"the matrix {name} of {plant.name} is {found_shape[0]} x {found_shape[1]}, but {leaf.shape[0]} x {leaf.shape[1]} "
+                    f"is needed, where {because}; correct the matrix",
+                    place,
+                )
+    free = sorted((s for s in symbols if s not in values), key=str)
+    if free:
+        raise ShapeError(f"no matrix of {plant.name} fixes the dimension {free[0]}; give it, as sizes={{'{free[0]}': 2}}", place)
+    return values
+
+
+def _layout(
+    theorem: Theorem,
+    domains: Mapping[str, Domain],
+    sizes: Mapping[sp.Symbol, int],
+    dependence: Mapping[str, Choice],
+    place: Place,
+) -> Layout:
+    unknowns = theorem.unknowns
+    foreign = sorted(set(dependence) - set(unknowns))
+    if foreign:
+        raise PlantError(f"{foreign[0]} is no unknown of the theorem, which has {', '.join(unknowns)}; correct the name", place)
+    layout: dict[str, UnknownLayout] = {}
+    offset = 0
+    for scalar in theorem.scalar_unknowns:
+        layout[scalar.name] = UnknownLayout(scalar.name, offset, np.zeros((1, 1), dtype=int), (sp.Integer(1),))
+        offset += 1
+    for name, leaf in unknowns.items():
+        parameters = {parameter: domains[parameter] for parameter in theorem.dependence(name)}
+        functions = basis_functions(name, dependence.get(name, DEFAULT), parameters)
+        shape = tuple(int(size.subs(sizes)) for size in leaf.shape)
+        blocks = [] if name in theorem.full else [int(size.subs(sizes)) for size in leaf.blocks]
+        layout[name] = UnknownLayout(name, offset, coordinates(leaf, (shape[0], shape[1]), blocks), functions)
+        offset += layout[name].size
+    return Layout(layout)
+
+
+# Numbers enter ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Entries:
+    """Contributions to an LMI: value · monomials[monomial] in packed row, column (0: constant)."""
+
+    monomials: Monomials
+    monomial: Array
+    row: Array
+    column: Array
+    value: Array
+
+
+@dataclass(frozen=True)
+class _Binder:
+    theorem: Theorem
+    plant: Plant
+    domains: Mapping[str, Domain]
+    sizes: Mapping[sp.Symbol, int]
+    layout: Layout
+    cache: dict[Factor | Factors, MatrixPolynomial] = field(default_factory=dict)
+
+    def size(self, expression: sp.Expr) -> int:
+        return int(expression.subs(self.sizes))
+
+    # data
+
+    def factor(self, factor: Factor) -> MatrixPolynomial:
+        """Value of a data factor."""
+        if factor not in self.cache:
+            value = self._matrix(factor.matrix)
+            value = value.T if factor.transposed else value
+            self.cache[factor] = value.kron_identity(self.size(factor.before), self.size(factor.after))
+        return self.cache[factor]
+
+    def product(self, factors: Factors) -> MatrixPolynomial | None:
+        """Value of a product of data factors; None for the empty product."""
+        if not factors:
+            return None
+        if factors not in self.cache:
+            head = self.product(factors[:-1])
+            last = self.factor(factors[-1])
+            self.cache[factors] = last if head is None else head @ last
+        return self.cache[factors]
+
+    def _matrix(self, matrix: Leaf | Inverse | Selector) -> MatrixPolynomial:
+        match matrix:
+            case Leaf():
+                return self._data(matrix)
+            case Selector():
+                total, offset, size = (self.size(s) for s in (matrix.total, matrix.offset, matrix.size))
+                return MatrixPolynomial.constant(np.eye(total)[:, offset : offset + size])
+            case Inverse():
+                parts = [
+                    value.scaled(scalar_polynomial(_plain(coefficient)))
+                    for factors, coefficient in canonical(matrix.nodes[0]).items()
+                    if (value := self.product(factors))
+                ]
+                return reduce(operator.add, parts).inverse()
+        raise TypeError(matrix)
+
+    def _data(self, leaf: Leaf) -> MatrixPolynomial:
+        """A matrix of the plant at the leaf's parameters."""
+        value = self.plant.matrices[leaf.name].numeric()
+        allowed = {sp.Symbol(c) for p in leaf.arguments for c in self.domains[p.name].components}
+        allowed |= {sp.Symbol(scalar) for scalar in self.plant.scalars}
+        for atom in value.monomials.atoms:
+            foreign = atom.free_symbols - allowed
+            if foreign:
+                raise PlantError(
+                    f"the matrix {leaf.name} of {self.plant.name} depends on {min(map(str, foreign))}, but the theorem states it as "
+                    f"{leaf}; remove the dependence or use a theorem that allows it",
+                    Place(self.theorem.name),
+                )
+        return value.renamed(self.instances(leaf))
+
+    def instances(self, leaf: Leaf) -> dict[sp.Symbol, sp.Symbol]:
+        """Components now → components at the leaf's instances."""
+        return {
+            sp.Symbol(component): instance_symbol(component, parameter.instance)
+            for parameter in leaf.arguments
+            if parameter.instance
+            for component in self.domains[parameter.name].components
+        }
+
+    # unknowns
+
+    def basis(self, leaf: Leaf) -> MatrixPolynomial:
+        """Basis functions of an unknown (or their time derivatives) at its instance, 1 x B."""
+        functions = self.layout.unknowns[leaf.name].functions
+        if leaf.derivative:
+            components = [c for p in leaf.arguments for c in self.domains[p.name].components]
+            functions = tuple(
+                sp.Add(*(sp.diff(f, sp.Symbol(c)) * rate_symbol(c) for c in components)) for f in functions
+            )
+        return _combination(functions).renamed(self.instances(leaf))
+
+    def objective(self) -> MatrixPolynomial | None:
+        """What is minimised as a 1 x (1 + n) polynomial in the given scalars, constant first."""
+        if self.theorem.minimise is None:
+            return None
+        expression = sp.sympify(self.theorem.minimise)
+        scalars = self.theorem.scalar_unknowns
+        parts = affine_parts(expression, scalars)
+        if parts is None:
+            raise PlantError(f"the objective {expression} is not affine in {', '.join(map(str, scalars))}", Place(self.theorem.name))
+        row = [_plain(parts[0])] + [sp.Integer(0)] * self.layout.size
+        for scalar, slope in parts[1].items():
+            row[1 + self.layout.unknowns[scalar.name].offset] = _plain(slope)
+        return MatrixPolynomial.from_sympy(sp.Matrix([row])).numeric()
+
+    # LMIs
+
+    def lmi(self, terms: TermList) -> ParametricLMI:
+        """The numeric form of one LMI."""
+        partition = tuple(self.size(size) for size in terms.partition)
+        starts = np.concatenate([[0], np.cumsum(partition)])
+        parts = [
+            self.term(term, int(starts[i]), int(starts[j])) for (i, j), block in terms.blocks.items() for term in block
+        ]
+        return _collect(terms.place, partition, [part for part in parts if part.value.size])
+
+    def term(self, term: Term, top: int, start: int) -> _Entries:
+        """Entries of one term in the block whose first entry is (top, start)."""
+        scale = scalar_polynomial(_plain(term.coefficient))
+        if isinstance(term.unknown, Factor):
+            monomial, row, col, column, value, monomials = self._matrix_term(term.left, term.unknown, term.right)
+        else:
+            product = self.product(term.left)
+            assert product is not None
+            monomial, row, col = np.nonzero(product.coefficients)
+            value, monomials = product.coefficients[monomial, row, col], product.monomials
+            first = 0 if term.unknown is None else 1 + self.layout.unknowns[term.unknown.name].offset
+            column = np.full(len(row), first)
+        if top == start:  # a diagonal block: its upper triangle is enough
+            keep = row <= col
+            monomial, row, col, column, value = (a[keep] for a in (monomial, row, col, column, value))
+        packed = svec.packed_index(top + row, start + col)
+        return _scaled(scale, _Entries(monomials, monomial, packed, column, value))
+
+    def _matrix_term(self, left: Factors, unknown: Factor, right: Factors) -> tuple[Any, ...]:
+        """Nonzero entries of L·X·R over monomials, entries and coordinates of X."""
+        assert isinstance(unknown.matrix, Leaf)
+        layout = self.layout.unknowns[unknown.matrix.name]
+        entry_row, entry_col, coordinate, shape = _unknown_entries(unknown, layout, self)
+        basis = self.basis(unknown.matrix)
+        outer = self.product(left) or MatrixPolynomial.constant(np.eye(shape[0]))
+        inner = self.product(right) or MatrixPolynomial.constant(np.eye(shape[1]))
+        # (M_left, p, entries) and (M_right, entries, s): the columns of L and rows of R that X's entries meet
+        tall, wide = outer.coefficients[:, :, entry_row], inner.coefficients[:, entry_col, :]
+        monomials = outer.monomials.times(inner.monomials)
+        found = []
+        for m_left in range(len(tall)):
+            for m_right in range(len(wide)):
+                product = tall[m_left][:, None, :] * wide[m_right].T[None, :, :]  # p x s x entries
+                row, col, entry = np.nonzero(product)
+                found.append((np.full(len(row), m_left * len(wide) + m_right), row, col, coordinate[entry], product[row, col, entry]))
+        monomial, row, col, coord, value = (np.concatenate(part) for part in zip(*found, strict=True))
+        # every basis function repeats the entries in its own columns
+        m_basis, _, function = np.nonzero(basis.coefficients)
+        weight = basis.coefficients[m_basis, 0, function]
+        column = 1 + layout.offset + function[:, None] * layout.count + coord[None, :]
+        repeat = len(m_basis)
+        return (
+            (m_basis[:, None] * len(monomials) + monomial[None, :]).ravel(),
+            np.tile(row, repeat),
+            np.tile(col, repeat),
+            column.ravel(),
+            (weight[:, None] * value[None, :]).ravel(),
+            basis.monomials.times(monomials),
+        )
+
+
+def _plain(expression: sp.Expr) -> sp.Expr:
+    """Given scalars as plain symbols, so that they meet the plant's."""
+    return expression.xreplace({s: sp.Symbol(s.name) for s in expression.free_symbols})
+
+
+def _unknown_entries(unknown: Factor, layout: UnknownLayout, binder: _Binder) -> tuple[Array, Array, Array, tuple[int, int]]:
+    """Rows, columns and coordinates of the nonzero entries of I ⊗ X ⊗ I, and its shape."""
+    marked = (layout.coordinate.T if unknown.transposed else layout.coordinate) + 1
+    marked = np.kron(np.eye(binder.size(unknown.before), dtype=int), marked)
+    marked = np.kron(marked, np.eye(binder.size(unknown.after), dtype=int))
+    rows, cols = np.nonzero(marked)
+    return rows, cols, marked[rows, cols] - 1, (marked.shape[0], marked.shape[1])
+
+
+def _scaled(scale: MatrixPolynomial, entries: _Entries) -> _Entries:
+    """Entries times a scalar polynomial."""
+    count = len(scale.monomials)
+    factors = scale.coefficients[:, 0, 0]
+    return _Entries(
+        scale.monomials.times(entries.monomials),
+        (np.arange(count)[:, None] * len(entries.monomials) + entries.monomial[None, :]).ravel(),
+        np.tile(entries.row, count),
+        np.tile(entries.column, count),
+        (factors[:, None] * entries.value[None, :]).ravel(),
+    )
+
+
+def _collect(place: Place, partition: tuple[int, ...], parts: Iterable[_Entries]) -> ParametricLMI:
+    """One pattern and one sparse coefficient array of all entries."""
+    parts = list(parts)
+    atoms = tuple(sorted({atom for part in parts for atom in part.monomials.atoms}, key=str))
+    stacked = Monomials(atoms, np.concatenate([part.monomials.over(atoms) for part in parts]))
+    merged, inverse = stacked.merged()
+    offsets = np.concatenate([[0], np.cumsum([len(part.monomials) for part in parts])])
+    monomial = inverse[np.concatenate([part.monomial + offsets[k] for k, part in enumerate(parts)])]
+    row = np.concatenate([part.row for part in parts])
+    column = np.concatenate([part.column for part in parts])
+    value = np.concatenate([part.value for part in parts])
+    # column-major over (unknown, packed row): the order of the solver's columns
+    span = svec.length(sum(partition))
+    key, position = np.unique(column * span + row, return_inverse=True)
+    coefficients = sps.coo_array((value, (monomial, position)), shape=(len(merged), len(key))).tocsr()
+    return ParametricLMI(place, partition, merged, key % span, key // span, coefficients)

@@ -1,0 +1,1 @@
+"""The definition language: the words in which a theorem is stated."""

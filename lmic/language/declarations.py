@@ -1,0 +1,120 @@
+"""Declaring the names of a theorem: dimensions, data, unknowns, scalars, and the small words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Self
+
+import sympy as sp
+
+from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Node, Zero
+
+
+def dims(names: str) -> tuple[sp.Symbol, ...]:
+    """Symbolic dimensions, ``nx, nw = dims("nx nw")``; the plant's matrices fix their values."""
+    return tuple(sp.Symbol(name, integer=True, positive=True) for name in names.split())
+
+
+def Data(name: str, rows: Any, cols: Any, symmetric: bool = False) -> Leaf:
+    """A rows x cols matrix that the plant gives; ``Data("A", n, n)(alpha)`` depends on alpha."""
+    return Leaf(name, rows, cols, "data", symmetric=symmetric)
+
+
+def Matrix(name: str, rows: Any, cols: Any) -> Leaf:
+    """A rectangular unknown, rows x cols."""
+    return Leaf(name, rows, cols, "unknown")
+
+
+def Symmetric(name: str, size: Any, blocks: Sequence[Any] = ()) -> Leaf:
+    """A symmetric unknown, size x size; ``blocks=(n, m)`` makes it block diagonal."""
+    return Leaf(name, size, size, "unknown", symmetric=True, blocks=blocks)
+
+
+def BlockDiagonal(name: str, *blocks: Any) -> Leaf:
+    """A block-diagonal unknown with square blocks of the given sizes."""
+    return Leaf(name, sp.Add(*blocks), sp.Add(*blocks), "unknown", blocks=blocks)
+
+
+class NamedScalar(sp.Symbol):  # type: ignore[misc]
+    """A scalar symbol with its own LaTeX name."""
+
+    __slots__ = ("latex_name",)
+
+    def __new__(cls, name: str, latex: str = "") -> Self:
+        # past sympy's cache of symbols, which would share the LaTeX name between theorems
+        symbol: Self = sp.Symbol.__xnew__(cls, name)
+        symbol.latex_name = latex or sp.latex(sp.Symbol(name))
+        return symbol
+
+    def _latex(self, printer: Any) -> str:
+        return self.latex_name
+
+
+class ScalarUnknown(NamedScalar):
+    """A scalar unknown of the LMIs."""
+
+
+class Given(NamedScalar):
+    """A scalar fixed when compiling (ε, ρ, dΔ); a sweep re-binds it without compiling again."""
+
+
+def Scalar(name: str, latex: str = "") -> ScalarUnknown:
+    """A scalar unknown, ``mu = Scalar("mu")``; ``mu*I(n)`` is a block."""
+    return ScalarUnknown(name, latex)
+
+
+def given(name: str, latex: str = "") -> Given:
+    """A scalar fixed when compiling."""
+    return Given(name, latex)
+
+
+def I(size: Any) -> Identity:  # noqa: E743
+    """Identity of the given size."""
+    return Identity(size)
+
+
+def zeros(rows: Any, cols: Any) -> Zero:
+    """Zero matrix; a bare 0 does where the size follows from the row and column."""
+    return Zero(rows, cols)
+
+
+def He(matrix: Any) -> Hermitian:
+    """He(X) = X + Xᵀ."""
+    return Hermitian(matrix)
+
+
+def inv(matrix: Any) -> Inverse:
+    """Inverse of a square expression without unknowns (or in a recovery formula)."""
+    return Inverse(matrix)
+
+
+def kron(left: Any, right: Any) -> Kronecker:
+    """Kronecker product; at most one operand holds unknowns."""
+    return Kronecker(left, right)
+
+
+def block(rows: Sequence[Sequence[Any]]) -> Block:
+    """A matrix of blocks; an entry may be a bare 0."""
+    return Block(rows)
+
+
+def diag(*blocks: Any) -> Block:
+    """Block-diagonal matrix of the given expressions."""
+    return Block([[entry if i == j else 0 for j in range(len(blocks))] for i, entry in enumerate(blocks)])
+
+
+def dot(matrix: Leaf) -> Leaf:
+    """dX/dt along the parameter's trajectory, Σ ∂X/∂ρᵢ ρ̇ᵢ (continuous time)."""
+    return matrix.dot()
+
+
+class Star:
+    """Marks a block that symmetry gives."""
+
+    def __repr__(self) -> str:
+        return "star"
+
+
+star = Star()
+
+Entry = Node | Star | int

@@ -1,0 +1,439 @@
+"""Matrix expressions over symbolic dimensions, kept as written.
+
+These are sympy matrix expressions that neither reorder nor simplify: a sum prints in the order
+of the paper, a product stays a product. Shapes are not checked here but in :mod:`lmic.lower`,
+where the theorem, LMI and block can be named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+from sympy.matrices.expressions.matexpr import MatrixExpr
+from sympy.printing.precedence import PRECEDENCE
+
+from lmic.errors import DefinitionError
+from lmic.language.parameters import Parameter
+
+Scalar = sp.Expr
+
+
+def exact(value: Any) -> sp.Expr:
+    """A scalar as written: the float 0.1 stands for the rational 1/10."""
+    if isinstance(value, float):
+        return sp.Rational(repr(value))
+    return sp.sympify(value)
+
+
+class Node(MatrixExpr):  # type: ignore[misc]
+    """A matrix expression. Operators build larger ones without evaluating anything."""
+
+    _op_priority = 20.0
+
+    def __add__(self, other: Any) -> Node:
+        return Sum.of(self, other)
+
+    def __radd__(self, other: Any) -> Node:
+        return Sum.of(other, self)
+
+    def __sub__(self, other: Any) -> Node:
+        return Sum.of(self, Product.of(-1, other))
+
+    def __rsub__(self, other: Any) -> Node:
+        return Sum.of(other, Product.of(-1, self))
+
+    def __neg__(self) -> Node:
+        return Product.of(-1, self)
+
+    def __mul__(self, other: Any) -> Node:
+        return Product.of(self, other)
+
+    def __rmul__(self, other: Any) -> Node:
+        return Product.of(other, self)
+
+    __matmul__ = __mul__
+    __rmatmul__ = __rmul__
+
+    def __truediv__(self, other: Any) -> Node:
+        return Product.of(1 / exact(other), self)
+
+    @property
+    def T(self) -> Node:
+        return Transposed.of(self)
+
+    @property
+    def I(self) -> Node:  # noqa: E743
+        return Inverse(self)
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """The matrix operands, left to right."""
+        return tuple(arg for arg in self.args if isinstance(arg, Node))
+
+    def leaves(self) -> dict[Leaf, None]:
+        """Every named matrix that occurs, with its arguments, in the order of appearance."""
+        return {leaf: None for node in self.nodes for leaf in node.leaves()}
+
+    def scalars(self) -> set[sp.Symbol]:
+        """Every scalar symbol in a coefficient (scalar unknowns and given scalars)."""
+        return set().union(*(node.scalars() for node in self.nodes))
+
+
+def as_node(value: Any) -> Node:
+    if isinstance(value, Node):
+        return value
+    raise DefinitionError(
+        f"'{value}' is used as a matrix but is a {type(value).__name__}; write {value}*I(n) for a multiple of the "
+        "identity, or a bare 0 or star as a block"
+    )
+
+
+class Leaf(Node):
+    """A named matrix at given parameters: ``A``, ``A(alpha)``, ``P(alpha.next)``.
+
+    ``role`` is "data" or "unknown". ``blocks`` lists the sizes of a block-diagonal unknown.
+    ``derivative`` marks dP/dt along a continuous-time trajectory.
+    """
+
+    name: str
+    rows: sp.Expr
+    cols: sp.Expr
+    role: str
+    symmetric: bool
+    blocks: tuple[sp.Expr, ...]
+    arguments: tuple[Parameter, ...]
+    derivative: bool
+
+    def __new__(
+        cls,
+        name: str,
+        rows: Any,
+        cols: Any,
+        role: str,
+        symmetric: bool = False,
+        blocks: Sequence[Any] = (),
+        arguments: tuple[Parameter, ...] = (),
+        derivative: bool = False,
+    ) -> Leaf:
+        leaf: Leaf = sp.Basic.__new__(cls)
+        leaf.name, leaf.role, leaf.symmetric = name, role, symmetric
+        leaf._size = (sp.sympify(rows), sp.sympify(cols))
+        leaf.blocks = tuple(sp.sympify(size) for size in blocks)
+        leaf.arguments, leaf.derivative = arguments, derivative
+        return leaf
+
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return (self.name, self._size, self.role, self.symmetric, self.blocks, self.arguments, self.derivative)
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return self._size
+
+    def __call__(self, *arguments: Parameter) -> Leaf:
+        """The matrix at the given parameters."""
+        for argument in arguments:
+            if not isinstance(argument, Parameter):
+                raise DefinitionError(f"{self.name}({argument}): the argument is not a parameter such as alpha")
+        return self._with(arguments=arguments)
+
+    def _with(self, **changes: Any) -> Leaf:
+        fields = {
+            "symmetric": self.symmetric,
+            "blocks": self.blocks,
+            "arguments": self.arguments,
+            "derivative": self.derivative,
+            **changes,
+        }
+        return Leaf(self.name, *self._size, self.role, **fields)
+
+    @property
+    def declaration(self) -> Leaf:
+        """The matrix without arguments: what A(alpha) and A(alpha.next) share."""
+        return self._with(arguments=(), derivative=False)
+
+    def dot(self) -> Leaf:
+        """Time derivative along the parameter's trajectory (continuous time)."""
+        if not self.arguments:
+            raise DefinitionError(f"{self.name} has no parameter to differentiate along: write dot({self.name}(rho))")
+        return self._with(derivative=True)
+
+    def leaves(self) -> dict[Leaf, None]:
+        return {self: None}
+
+    def _sympystr(self, printer: Any) -> str:
+        argument = f"({', '.join(map(str, self.arguments))})" if self.arguments else ""
+        return f"dot({self.name}{argument})" if self.derivative else self.name + argument
+
+    def _latex(self, printer: Any) -> str:
+        name = sp.latex(sp.Symbol(self.name))
+        name = rf"\dot{{{name}}}" if self.derivative else name
+        argument = ", ".join(parameter.to_latex() for parameter in self.arguments)
+        return f"{name}({argument})" if argument else name
+
+
+class Identity(Node):
+    def __new__(cls, size: Any) -> Identity:
+        node: Identity = sp.Basic.__new__(cls, sp.sympify(size))
+        return node
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return (self.args[0], self.args[0])
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"I({self.args[0]})"
+
+    def _latex(self, printer: Any) -> str:
+        return f"I_{{{printer._print(self.args[0])}}}"
+
+
+class Zero(Node):
+    def __new__(cls, rows: Any, cols: Any) -> Zero:
+        node: Zero = sp.Basic.__new__(cls, sp.sympify(rows), sp.sympify(cols))
+        return node
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return self.args
+
+    def _sympystr(self, printer: Any) -> str:
+        return "0"
+
+    _latex = _sympystr
+
+
+class Sum(Node):
+    precedence = PRECEDENCE["Add"]
+
+    @staticmethod
+    def of(*operands: Any) -> Node:
+        """The sum, in the order written; a literal 0 is left out."""
+        parts: list[Node] = []
+        for operand in operands:
+            if isinstance(operand, (int, sp.Integer)) and operand == 0:
+                continue
+            node = as_node(operand)
+            parts.extend(node.nodes if isinstance(node, Sum) else [node])
+        if len(parts) == 1:
+            return parts[0]
+        result: Sum = sp.Basic.__new__(Sum, *parts)
+        return result
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return self.nodes[0].shape
+
+    def _sympystr(self, printer: Any) -> str:
+        return _signed_sum([printer._print(node) for node in self.nodes])
+
+    _latex = _sympystr
+
+
+class Product(Node):
+    """scalar · factor · factor …; the scalar is the first argument, 1 if none was written."""
+
+    precedence = PRECEDENCE["Mul"]
+
+    @staticmethod
+    def of(*operands: Any) -> Node:
+        coefficient: sp.Expr = sp.Integer(1)
+        factors: list[Node] = []
+        for operand in operands:
+            if isinstance(operand, Product):
+                coefficient *= operand.coefficient
+                factors.extend(operand.nodes)
+            elif isinstance(operand, Node):
+                factors.append(operand)
+            elif isinstance(operand, MatrixExpr):
+                as_node(operand)
+            else:
+                try:
+                    coefficient *= exact(operand)
+                except (sp.SympifyError, TypeError):
+                    as_node(operand)
+        if coefficient == 1 and len(factors) == 1:
+            return factors[0]
+        result: Product = sp.Basic.__new__(Product, coefficient, *factors)
+        return result
+
+    @property
+    def coefficient(self) -> sp.Expr:
+        return self.args[0]
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return (self.nodes[0].shape[0], self.nodes[-1].shape[1])
+
+    def scalars(self) -> set[sp.Symbol]:
+        return super().scalars() | self.coefficient.free_symbols
+
+    def _print_with(self, printer: Any, times: str) -> str:
+        factors = [printer.parenthesize(node, PRECEDENCE["Mul"]) for node in self.nodes]
+        negative = self.coefficient.could_extract_minus_sign()
+        size = -self.coefficient if negative else self.coefficient
+        if size != 1:
+            factors = [printer.parenthesize(size, PRECEDENCE["Mul"]), *factors]
+        return "-" * negative + times.join(factors)
+
+    def _sympystr(self, printer: Any) -> str:
+        return self._print_with(printer, "*")
+
+    def _latex(self, printer: Any) -> str:
+        return self._print_with(printer, " ")
+
+
+class Transposed(Node):
+    precedence = PRECEDENCE["Pow"]
+
+    @staticmethod
+    def of(operand: Any) -> Node:
+        node = as_node(operand)
+        if isinstance(node, Transposed):
+            return node.nodes[0]
+        if isinstance(node, Identity) or (isinstance(node, Leaf) and node.symmetric):
+            return node
+        result: Transposed = sp.Basic.__new__(Transposed, node)
+        return result
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        rows, cols = self.nodes[0].shape
+        return (cols, rows)
+
+    def _sympystr(self, printer: Any) -> str:
+        return printer.parenthesize(self.nodes[0], PRECEDENCE["Pow"]) + ".T"
+
+    def _latex(self, printer: Any) -> str:
+        (node,) = self.nodes
+        if isinstance(node, Leaf):
+            name = printer._print(node.declaration)
+            argument = printer._print(node)[len(name) :]
+            return f"{name}^{{\\top}}{argument}"
+        return printer.parenthesize(node, PRECEDENCE["Pow"]) + r"^{\top}"
+
+
+class Hermitian(Node):
+    """He(X) = X + Xᵀ."""
+
+    def __new__(cls, operand: Any) -> Hermitian:
+        node: Hermitian = sp.Basic.__new__(cls, as_node(operand))
+        return node
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return self.nodes[0].shape
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"He({printer._print(self.nodes[0])})"
+
+    def _latex(self, printer: Any) -> str:
+        return rf"\operatorname{{He}}\{{{printer._print(self.nodes[0])}\}}"
+
+
+class Inverse(Node):
+    """The inverse of a square expression: in data, or in recovery formulas."""
+
+    precedence = PRECEDENCE["Pow"]
+
+    def __new__(cls, operand: Any) -> Inverse:
+        node: Inverse = sp.Basic.__new__(cls, as_node(operand))
+        return node
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return self.nodes[0].shape
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"inv({printer._print(self.nodes[0])})"
+
+    def _latex(self, printer: Any) -> str:
+        (node,) = self.nodes
+        if isinstance(node, Leaf):
+            name = printer._print(node.declaration)
+            return f"{name}^{{-1}}{printer._print(node)[len(name) :]}"
+        return printer.parenthesize(node, PRECEDENCE["Pow"]) + "^{-1}"
+
+
+class Kronecker(Node):
+    """Kronecker product, ``kron(I(2), X)``."""
+
+    precedence = PRECEDENCE["Mul"]
+
+    def __new__(cls, left: Any, right: Any) -> Kronecker:
+        node: Kronecker = sp.Basic.__new__(cls, as_node(left), as_node(right))
+        return node
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        (left, right) = self.nodes
+        return (left.shape[0] * right.shape[0], left.shape[1] * right.shape[1])
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"kron({', '.join(printer._print(node) for node in self.nodes)})"
+
+    def _latex(self, printer: Any) -> str:
+        return r" \otimes ".join(printer.parenthesize(node, PRECEDENCE["Mul"]) for node in self.nodes)
+
+
+class Block(Node):
+    """A matrix of blocks; an entry may be a literal 0."""
+
+    def __new__(cls, rows: Sequence[Sequence[Any]]) -> Block:
+        if not rows or any(len(row) != len(rows[0]) for row in rows):
+            raise DefinitionError("the rows of a Block have different lengths; give every row the same number of blocks")
+        entries = [[0 if is_zero(entry) else as_node(entry) for entry in row] for row in rows]
+        heights = [_common_size([e for e in row if e != 0], 0, f"row {i + 1}") for i, row in enumerate(entries)]
+        widths = [
+            _common_size([row[j] for row in entries if row[j] != 0], 1, f"column {j + 1}") for j in range(len(entries[0]))
+        ]
+        filled = [
+            [Zero(heights[i], widths[j]) if entry == 0 else entry for j, entry in enumerate(row)]
+            for i, row in enumerate(entries)
+        ]
+        node: Block = sp.Basic.__new__(cls, *(sp.Tuple(*row) for row in filled))
+        return node
+
+    @property
+    def grid(self) -> tuple[tuple[Node, ...], ...]:
+        return tuple(tuple(row) for row in self.args)
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        return tuple(node for row in self.grid for node in row)
+
+    @property
+    def heights(self) -> tuple[sp.Expr, ...]:
+        return tuple(row[0].shape[0] for row in self.grid)
+
+    @property
+    def widths(self) -> tuple[sp.Expr, ...]:
+        return tuple(node.shape[1] for node in self.grid[0])
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return (sp.Add(*self.heights), sp.Add(*self.widths))
+
+    def _sympystr(self, printer: Any) -> str:
+        return "[" + "; ".join(", ".join(printer._print(node) for node in row) for row in self.grid) + "]"
+
+    def _latex(self, printer: Any) -> str:
+        rows = r" \\ ".join(" & ".join(printer._print(node) for node in row) for row in self.grid)
+        return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
+
+
+def is_zero(entry: Any) -> bool:
+    return isinstance(entry, (int, float, sp.Number)) and entry == 0
+
+
+def _common_size(nodes: Sequence[Node], axis: int, what: str) -> sp.Expr:
+    if not nodes:
+        raise DefinitionError(f"{what} of a Block holds only literal zeros, so its size is unknown; use zeros(n, m) once")
+    return nodes[0].shape[axis]
+
+
+def _signed_sum(texts: Sequence[str]) -> str:
+    head, *tail = texts
+    return head + "".join(f" - {text[1:]}" if text.startswith("-") else f" + {text}" for text in tail)
+

@@ -1,0 +1,221 @@
+"""Stage 0, the theorem: block matrices over symbolic dimensions and what is made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import sympy as sp
+
+from lmic.errors import DefinitionError
+from lmic.language.declarations import Given, ScalarUnknown
+from lmic.language.nodes import Leaf, Node
+from lmic.language.parameters import Parameter
+
+
+@dataclass(frozen=True)
+class LMI:
+    """``sense`` +1: the matrix is positive definite; -1: negative definite."""
+
+    sense: int
+    rows: tuple[tuple[Any, ...], ...]
+
+
+def PD(rows: Any) -> LMI:
+    """Positive definite: a list of block rows, or a single expression."""
+    return LMI(+1, _rows(rows))
+
+
+def ND(rows: Any) -> LMI:
+    """Negative definite: a list of block rows, or a single expression."""
+    return LMI(-1, _rows(rows))
+
+
+def _rows(rows: Any) -> tuple[tuple[Any, ...], ...]:
+    if isinstance(rows, (Node, sp.Expr)):
+        return ((rows,),)
+    return tuple(tuple(row) for row in rows)
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a statement was published; ``statement`` is its name there, e.g. "Theorem 1"."""
+
+    authors: str
+    title: str
+    venue: str
+    year: int
+    statement: str = ""
+    derived: str = ""
+
+    def __str__(self) -> str:
+        place = f", {self.statement}" if self.statement else ""
+        return f"{self.authors} ({self.year}). {self.title}. {self.venue}{place}."
+
+
+@dataclass(frozen=True)
+class DiscreteSystem:
+    """x⁺ = A x + B w, z = C x + D w; the matrices may depend on parameters and unknowns."""
+
+    A: Node
+    B: Node
+    C: Node
+    D: Node
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What the theorem promises: the ``norm`` from w to z of ``system`` is below ``report``.
+
+    ``norm`` is "l2 gain", which on frozen parameters is the H∞ norm.
+    """
+
+    norm: str
+    system: DiscreteSystem
+    report: str
+
+
+@dataclass(frozen=True)
+class Schur:
+    """The matrix must be Schur stable at every frozen parameter, else no solution exists."""
+
+    matrix: Node
+    because: str
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The same condition with a choice: unknowns made constant, or their block structure lifted."""
+
+    title: str
+    statement: str = ""
+    constant: tuple[Leaf, ...] = ()
+    full: tuple[Leaf, ...] = ()
+
+
+@dataclass(frozen=True)
+class Theorem:
+    """A condition as published.
+
+    ``lmis`` maps a name to :func:`PD` or :func:`ND` of a block matrix; ``minimise`` is affine in
+    the scalar unknowns (``None``: a feasibility condition); ``reports`` are scalar expressions in
+    the optimal unknowns; ``recover`` are the formulas of the design; ``assumes`` are necessary
+    conditions on the data.
+    """
+
+    lmis: Mapping[str, LMI]
+    source: Source
+    title: str = ""
+    minimise: sp.Expr | None = None
+    reports: Mapping[str, sp.Expr] = field(default_factory=dict)
+    recover: Mapping[str, Node] = field(default_factory=dict)
+    guarantees: Sequence[Bound] = ()
+    assumes: Sequence[Schur] = ()
+    variants: Mapping[str, Variant] = field(default_factory=dict)
+    name: str = ""
+    description: str = ""
+    constant: frozenset[str] = frozenset()
+    full: frozenset[str] = frozenset()
+
+    def __post_init__(self) -> None:
+        if not self.lmis:
+            raise DefinitionError(f"{self.name or 'the theorem'} states no LMI; give lmis={{'name': PD([[...]])}}")
+
+    def variant(self, name: str) -> Theorem:
+        """The theorem with one of its declared choices made."""
+        choice = self.variants[name]
+        return replace(
+            self,
+            name=name,
+            title=choice.title,
+            source=replace(self.source, statement=choice.statement or self.source.statement),
+            constant=frozenset(leaf.name for leaf in choice.constant),
+            full=frozenset(leaf.name for leaf in choice.full),
+            variants={},
+        )
+
+    # What occurs in the statement -----------------------------------------------------------
+
+    @property
+    def nodes(self) -> list[Node]:
+        """Every matrix expression of the LMIs."""
+        return [entry for lmi in self.lmis.values() for row in lmi.rows for entry in row if isinstance(entry, Node)]
+
+    @property
+    def extras(self) -> list[Node]:
+        """Matrix expressions outside the LMIs: recovery, guarantees, assumptions."""
+        systems = [node for bound in self.guarantees for node in vars(bound.system).values()]
+        return [*self.recover.values(), *systems, *(condition.matrix for condition in self.assumes)]
+
+    def _declarations(self, role: str, nodes: Sequence[Node]) -> dict[str, Leaf]:
+        found: dict[str, Leaf] = {}
+        for node in nodes:
+            for leaf in node.leaves():
+                if leaf.role != role:
+                    continue
+                known = found.setdefault(leaf.name, leaf.declaration)
+                if known != leaf.declaration:
+                    raise DefinitionError(
+                        f"{self.name}: {leaf.name} is declared twice, as {known.shape} and {leaf.declaration.shape}; "
+                        "give the two matrices different names"
+                    )
+        return found
+
+    @property
+    def data(self) -> dict[str, Leaf]:
+        return self._declarations("data", self.nodes + self.extras)
+
+    @property
+    def unknowns(self) -> dict[str, Leaf]:
+        """The matrix unknowns, in the order of appearance."""
+        return self._declarations("unknown", self.nodes)
+
+    @property
+    def scalar_symbols(self) -> set[sp.Symbol]:
+        symbols = set().union(*(node.scalars() for node in self.nodes + self.extras))
+        if self.minimise is not None:
+            symbols |= sp.sympify(self.minimise).free_symbols
+        for entry in self._scalar_entries():
+            symbols |= entry.free_symbols
+        return symbols
+
+    def _scalar_entries(self) -> list[sp.Expr]:
+        """Blocks of size one that are written as a scalar."""
+        return [
+            entry
+            for lmi in self.lmis.values()
+            for row in lmi.rows
+            for entry in row
+            if isinstance(entry, sp.Expr) and not isinstance(entry, Node)
+        ]
+
+    @property
+    def scalar_unknowns(self) -> list[ScalarUnknown]:
+        return sorted((s for s in self.scalar_symbols if isinstance(s, ScalarUnknown)), key=str)
+
+    @property
+    def givens(self) -> list[Given]:
+        return sorted((s for s in self.scalar_symbols if isinstance(s, Given)), key=str)
+
+    @property
+    def parameters(self) -> dict[str, list[Parameter]]:
+        """For each parameter, the instances (now, next, copies) at which something is taken."""
+        found: dict[str, dict[str, Parameter]] = {}
+        for node in self.nodes + self.extras:
+            for leaf in node.leaves():
+                for parameter in leaf.arguments:
+                    found.setdefault(parameter.name, {})[parameter.instance] = parameter
+        return {name: [found[name][key] for key in sorted(found[name])] for name in sorted(found)}
+
+    def dependence(self, unknown: str) -> tuple[str, ...]:
+        """Names of the parameters on which an unknown may depend."""
+        names = {
+            tuple(parameter.name for parameter in leaf.arguments)
+            for node in self.nodes
+            for leaf in node.leaves()
+            if leaf.name == unknown
+        }
+        if len(names) > 1:
+            raise DefinitionError(f"{self.name}: {unknown} is used with different parameters: {sorted(names)}")
+        return () if unknown in self.constant else next(iter(names), ())

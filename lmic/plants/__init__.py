@@ -1,0 +1,1 @@
+"""Plants: the numeric data that a theorem is applied to, and the files they come from."""

@@ -1,0 +1,89 @@
+"""The plant: exact matrices as polynomials in the parameters' components, and the domains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from lmic.domains import Domain, SimplexDomain
+from lmic.errors import PlantError
+from lmic.polynomials import MatrixPolynomial, Monomials
+
+
+@dataclass(frozen=True)
+class Plant:
+    """Data of a system.
+
+    ``matrices`` have exact coefficients; their atoms are components of the ``domains``, names of
+    ``scalars`` and functions of both. ``scalars`` hold the values used unless others are set.
+    """
+
+    matrices: Mapping[str, MatrixPolynomial]
+    domains: Mapping[str, Domain] = field(default_factory=dict)
+    scalars: Mapping[str, Fraction] = field(default_factory=dict)
+    name: str = "plant"
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for name, domain in self.domains.items():
+            clash = sorted(set(domain.components) & set(self.scalars))
+            if clash:
+                raise PlantError(f"{self.name}: {clash[0]} is both a component of {name} and a scalar; rename one")
+
+    @classmethod
+    def polytopic(cls, parameter: str = "alpha", name: str = "plant", **vertices: Sequence[Any]) -> Plant:
+        """Matrices by their vertices, ``Plant.polytopic(A=[A1, A2], B=[B1, B2])``.
+
+        A matrix given once (two-dimensional) is the same at every vertex.
+        """
+        arrays = {key: exact_array(value, f"{name}: {key}") for key, value in vertices.items()}
+        counts = {key: array.shape[0] for key, array in arrays.items() if array.ndim == 3}
+        if len(set(counts.values())) > 1:
+            raise PlantError(f"{name}: the numbers of vertices differ: {counts}; give every matrix the same number")
+        domain = SimplexDomain.named(parameter, next(iter(counts.values()), 1))
+        matrices = {
+            key: vertex_polynomial(array, domain) if array.ndim == 3 else MatrixPolynomial.constant(array)
+            for key, array in arrays.items()
+        }
+        return cls(matrices, {parameter: domain}, name=name)
+
+    def with_scalars(self, **values: Any) -> Plant:
+        """The plant with other values of its scalars."""
+        unknown = sorted(set(values) - set(self.scalars))
+        if unknown:
+            raise PlantError(f"{self.name}: {unknown[0]} is not a scalar of this plant; it has {sorted(self.scalars)}")
+        return replace(self, scalars={**self.scalars, **{key: exact_number(value) for key, value in values.items()}})
+
+
+def vertex_polynomial(vertices: Any, domain: Domain) -> MatrixPolynomial:
+    """Σ_i alpha_i · vertices[i] over a simplex; a constant where all vertices agree."""
+    if all((vertices[0] == vertex).all() for vertex in vertices[1:]):
+        return MatrixPolynomial.constant(vertices[0])
+    atoms = [sp.Symbol(component) for component in domain.components]
+    return MatrixPolynomial(Monomials.of(*atoms), vertices)
+
+
+def exact_number(value: Any) -> Fraction:
+    """An exact rational: the float 0.1 as written, 1/10."""
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, (bool, complex)):
+        raise PlantError(f"{value!r} is not a real number; give a number such as 0.5 or 1/3")
+    try:
+        return Fraction(repr(value)) if isinstance(value, float) else Fraction(value)
+    except (TypeError, ValueError, OverflowError, ZeroDivisionError) as error:
+        raise PlantError(f"{value!r} is not a finite number; give a number such as 0.5 or 1/3") from error
+
+
+def exact_array(value: Any, what: str) -> Any:
+    """A matrix (2-D) or a stack of matrices (3-D) of fractions."""
+    array = np.array(value, dtype=object)
+    if array.ndim not in (2, 3) or array.size == 0:
+        raise PlantError(f"{what} has {array.ndim} dimensions; give a matrix [[...], ...] or a list of such matrices")
+    flat = [exact_number(entry.item() if hasattr(entry, "item") else entry) for entry in array.ravel()]
+    return np.array(flat, dtype=object).reshape(array.shape)

@@ -1,0 +1,1 @@
+"""Stage 6, solve: lineality, congruence rescaling, the conic solver, and what can be said of its answer."""

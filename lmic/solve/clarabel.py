@@ -1,0 +1,56 @@
+"""Clarabel through its own API (interior point, Apache-2.0)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import clarabel
+import numpy as np
+import scipy.sparse as sps
+
+from lmic.solve.cone import ConeAnswer, ConeData, Status
+
+_STATUS = {
+    "Solved": Status.SOLVED,
+    "AlmostSolved": Status.ALMOST,
+    "PrimalInfeasible": Status.INFEASIBLE,
+    "AlmostPrimalInfeasible": Status.INFEASIBLE,
+    "DualInfeasible": Status.UNBOUNDED,
+    "AlmostDualInfeasible": Status.UNBOUNDED,
+}
+
+
+class Clarabel:
+    """Minimise with Clarabel; ``settings`` overrides its defaults by name."""
+
+    name = "clarabel"
+
+    def __init__(self, **settings: Any) -> None:
+        self.settings = settings
+
+    def __call__(self, data: ConeData) -> ConeAnswer:
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        for name, value in self.settings.items():
+            setattr(settings, name, value)
+        size = len(data.cost)
+        scale = float(np.abs(data.cost).max(initial=0.0)) or 1.0
+        cones = [clarabel.PSDTriangleConeT(int(order)) for order in data.orders]
+        solver = clarabel.DefaultSolver(
+            sps.csc_matrix((size, size)),
+            data.cost / scale,
+            sps.csc_matrix(-data.matrix),
+            data.offset,
+            cones,
+            settings,
+        )
+        solution = solver.solve()
+        word = str(solution.status)
+        return ConeAnswer(
+            _STATUS.get(word, Status.FAILED),
+            np.array(solution.x),
+            np.array(solution.s),
+            np.array(solution.z) * scale,
+            int(solution.iterations),
+            word,
+        )

@@ -1,0 +1,75 @@
+"""The numeric problem a conic solver sees, and the interface every solver fills in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Protocol
+
+import scipy.sparse as sps
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class ConeData:
+    """minimise cost·y subject to matrix·y + offset ∈ product of PSD cones in svec coordinates.
+
+    ``orders`` are the orders of the cones, in the order of the rows.
+    """
+
+    cost: Array
+    matrix: sps.csc_array
+    offset: Array
+    orders: Array
+
+
+class Status(StrEnum):
+    """What a solver says of its answer; each member's text is what to do about it."""
+
+    SOLVED = "solved"
+    ALMOST = "almost solved"
+    INFEASIBLE = "infeasible"
+    UNBOUNDED = "unbounded"
+    FAILED = "failed"
+
+    @property
+    def advice(self) -> str:
+        return _ADVICE[self]
+
+    @property
+    def usable(self) -> bool:
+        return self in (Status.SOLVED, Status.ALMOST)
+
+
+_ADVICE = {
+    Status.SOLVED: "",
+    Status.ALMOST: "the solver stopped short of its tolerance; trust the number only as far as its violation and gap say",
+    Status.INFEASIBLE: "no solution satisfies the LMIs; try a richer basis, a higher Pólya degree, or check the data",
+    Status.UNBOUNDED: "the objective has no lower bound; the LMIs leave the minimised quantity free",
+    Status.FAILED: "the solver gave up; rescale the data or try other values of the given scalars",
+}
+
+
+@dataclass(frozen=True)
+class ConeAnswer:
+    """Primal ``y``, slack ``s`` = matrix·y + offset as the solver holds it, dual ``z``; svec coordinates.
+
+    For an infeasible problem ``z`` is the certificate: matrixᵀz = 0, offset·z < 0.
+    """
+
+    status: Status
+    y: Array
+    s: Array
+    z: Array
+    iterations: int
+    word: str
+
+
+class ConeSolver(Protocol):
+    """A conic solver: one file each."""
+
+    name: str
+
+    def __call__(self, data: ConeData) -> ConeAnswer: ...

@@ -1,0 +1,125 @@
+"""Congruence rescaling: F ≻ 0 exactly when D F Dᵀ ≻ 0, and x = T y for any invertible T.
+
+A thin interior makes one scaling of the whole problem useless; conic solvers may scale a PSD cone
+by one number only. Here every LMI gets its own congruence from the slack S of an earlier pass,
+D ≈ S^(-1/2), which brings the solution to the middle of every cone, and the unknowns get
+orthonormal columns. Problems too large for that get the diagonal part of both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sps
+from numpy.typing import NDArray
+
+from lmic import svec
+from lmic.solve.cone import ConeData
+
+Array = NDArray[Any]
+
+#: share of diag(S) added to S: at the optimum S is singular, and its inverse root must stay bounded
+REGULARISATION = 1e-4
+
+#: dense entries up to which the full congruence is formed
+DENSE_LIMIT = 30_000_000
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """``congruence[k]`` is D of LMI k; ``unknowns`` is T (a vector where it is diagonal)."""
+
+    congruence: list[Array]
+    unknowns: Array
+
+    def x(self, y: Array) -> Array:
+        return self.unknowns @ y if self.unknowns.ndim == 2 else self.unknowns * y
+
+
+def initial(data: ConeData) -> tuple[ConeData, Scaling]:
+    """Columns of unit norm; nothing is known about the slacks yet."""
+    norms = np.sqrt(np.asarray(data.matrix.multiply(data.matrix).sum(axis=0)).ravel())
+    scale = 1 / np.where(norms > 0, norms, 1.0)
+    scaled = ConeData(data.cost * scale, data.matrix @ sps.diags_array(scale), data.offset, data.orders)
+    return sps_csc(scaled), Scaling([np.eye(int(order)) for order in data.orders], scale)
+
+
+def rescaled(data: ConeData, slack: Array, x: Array) -> tuple[ConeData, Scaling]:
+    """The problem in the coordinates that a slack and a solution suggest."""
+    congruence = [inverse_root(matrix) for matrix in slack_matrices(slack, data.orders)]
+    if data.matrix.shape[0] * data.matrix.shape[1] <= DENSE_LIMIT:
+        return _dense(data, congruence)
+    return _diagonal(data, congruence, x)
+
+
+def slack_matrices(packed: Array, orders: Array) -> list[Array]:
+    """The matrices of an svec vector, one per LMI."""
+    lengths = orders * (orders + 1) // 2
+    parts = np.split(packed, np.cumsum(lengths)[:-1])
+    return [svec.unpack(part / svec.weights(int(n)), int(n)) for part, n in zip(parts, orders, strict=True)]
+
+
+def inverse_root(slack: Array) -> Array:
+    """D with D S Dᵀ ≈ I, bounded where S is nearly singular."""
+    diagonal = np.diag(slack)
+    floor = np.finfo(float).eps * max(float(diagonal.max(initial=0.0)), np.finfo(float).tiny)
+    jacobi = 1 / np.sqrt(np.maximum(diagonal, floor))
+    values, vectors = np.linalg.eigh(jacobi[:, None] * slack * jacobi)
+    roots = 1 / np.sqrt(np.maximum(values, 0.0) + REGULARISATION)
+    result: Array = (vectors * roots).T * jacobi
+    return result
+
+
+def _dense(data: ConeData, congruence: list[Array]) -> tuple[ConeData, Scaling]:
+    """Full congruence, then orthonormal columns."""
+    columns = np.column_stack([data.offset, data.matrix.toarray()])
+    start = 0
+    for transform, order in zip(congruence, data.orders, strict=True):
+        n = int(order)
+        rows = slice(start, start + svec.length(n))
+        i, j = svec.triangle(n)
+        weight = svec.weights(n)
+        matrices = transform @ svec.unpack(columns[rows].T / weight, n) @ transform.T
+        columns[rows] = (matrices[:, i, j] * weight).T
+        start += svec.length(n)
+    orthonormal, triangular = scipy.linalg.qr(columns[:, 1:], mode="economic")
+    unknowns = scipy.linalg.solve_triangular(triangular, np.eye(len(triangular)))
+    scaled = ConeData(unknowns.T @ data.cost, sps.csc_array(orthonormal), columns[:, 0], data.orders)
+    return scaled, Scaling(congruence, unknowns)
+
+
+def _diagonal(data: ConeData, congruence: list[Array], x: Array) -> tuple[ConeData, Scaling]:
+    """Diagonal congruence and one factor per unknown; keeps the sparsity."""
+    diagonals = [np.sqrt((transform**2).sum(axis=0)) for transform in congruence]
+    rows = np.concatenate([d[svec.triangle(len(d))[0]] * d[svec.triangle(len(d))[1]] for d in diagonals])
+    size = np.abs(x)
+    unknowns = np.maximum(size, 1e-8 * size.max(initial=1.0))
+    matrix = sps.diags_array(rows) @ data.matrix @ sps.diags_array(unknowns)
+    scaled = ConeData(data.cost * unknowns, matrix, rows * data.offset, data.orders)
+    return sps_csc(scaled), Scaling([np.diag(d) for d in diagonals], unknowns)
+
+
+def sps_csc(data: ConeData) -> ConeData:
+    return ConeData(data.cost, sps.csc_array(data.matrix), data.offset, data.orders)
+
+
+def unscaled_slack(scaled: Array, scaling: Scaling, orders: Array) -> Array:
+    """svec of D⁻¹ S D⁻ᵀ for every LMI: the slack in the problem's own coordinates."""
+    return _transformed(scaled, [np.linalg.inv(d) for d in scaling.congruence], orders)
+
+
+def unscaled_dual(scaled: Array, scaling: Scaling, orders: Array) -> Array:
+    """svec of Dᵀ Z D for every LMI: the dual in the problem's own coordinates."""
+    return _transformed(scaled, [d.T for d in scaling.congruence], orders)
+
+
+def _transformed(packed: Array, transforms: list[Array], orders: Array) -> Array:
+    parts = []
+    for matrix, transform in zip(slack_matrices(packed, orders), transforms, strict=True):
+        result = transform @ matrix @ transform.T
+        i, j = svec.triangle(len(result))
+        parts.append(result[i, j] * svec.weights(len(result)))
+    return np.concatenate(parts)

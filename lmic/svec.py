@@ -1,0 +1,45 @@
+"""Packed symmetric matrices: upper triangle column by column, the one order used everywhere.
+
+``svec`` multiplies off-diagonal entries by √2, so that ⟨A, B⟩ = svec(A)·svec(B).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+def length(order: int) -> int:
+    """Number of packed entries of a symmetric matrix."""
+    return order * (order + 1) // 2
+
+
+def packed_index(rows: Array, cols: Array) -> Array:
+    """Place of entry (row ≤ col) in the packed vector."""
+    return cols * (cols + 1) // 2 + rows
+
+
+def triangle(order: int) -> tuple[Array, Array]:
+    """Rows and columns of the packed entries, in their order."""
+    cols = np.repeat(np.arange(order), np.arange(1, order + 1))
+    rows = np.arange(length(order)) - packed_index(np.zeros_like(cols), cols)
+    return rows, cols
+
+
+def weights(order: int) -> Array:
+    """1 on the diagonal and √2 off it: packed entries times weights is svec."""
+    rows, cols = triangle(order)
+    return np.where(rows == cols, 1.0, np.sqrt(2.0))
+
+
+def unpack(packed: Array, order: int) -> Array:
+    """Symmetric matrices of packed entries (without √2), shape (..., order, order)."""
+    rows, cols = triangle(order)
+    matrices = np.zeros((*packed.shape[:-1], order, order), dtype=packed.dtype)
+    matrices[..., rows, cols] = packed
+    matrices[..., cols, rows] = packed
+    return matrices
