@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
 from lmic import svec
-from lmic.bind import Binding, Layout
+from lmic.bind import Binding
+from lmic.layout import Layout
 from lmic.relax.family import LMIFamily, Soundness
 
-Array = NDArray[Any]
+Array: TypeAlias = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,9 @@ class ConicProblem:
             values.append((family.values * svec.weights(lmi.order)[lmi.rows][None, :]).ravel())
             start += length * len(family)
         shape = (start, self.size + 1)
-        stacked = sps.coo_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))), shape=shape).tocsc()
+        stacked = sps.coo_array(
+            (np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))), shape=shape
+        ).tocsc()
         stacked.eliminate_zeros()
         return stacked
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations_with_replacement, product
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
@@ -14,7 +15,7 @@ from lmic.plants.expressions import parse
 from lmic.polynomials import atom_values
 
 #: a polynomial degree, "constant", or the basis functions themselves
-Choice = int | str | Sequence[str | sp.Expr]
+Choice: TypeAlias = int | str | Sequence[str | sp.Expr]
 
 DEFAULT: Choice = 1
 
@@ -28,7 +29,9 @@ def basis_functions(unknown: str, choice: Choice, domains: Mapping[str, Domain])
     if choice == "constant" or not domains:
         return (sp.Integer(1),)
     if isinstance(choice, str) or not isinstance(choice, (int, Sequence)):
-        raise BasisError(f"{unknown}: {choice!r} is no dependence; give a degree, 'constant' or a list of basis functions")
+        raise BasisError(
+            f"{unknown}: {choice!r} is no dependence; give a degree, 'constant' or a list of basis functions"
+        )
     if isinstance(choice, int):
         if choice < 0:
             raise BasisError(f"{unknown}: the degree {choice} is negative; give 0 or more")
@@ -52,7 +55,7 @@ def _require_independent(unknown: str, functions: Sequence[sp.Expr], domains: Ma
         raise BasisError(f"{unknown}: the basis is empty; give at least the constant 1")
     generator = np.random.default_rng(0)
     count = 4 * len(functions) + 8
-    values = {}
+    values: dict[sp.Symbol, Any] = {}
     for domain in domains.values():
         points = domain.sample(count, generator)
         values |= {sp.Symbol(c): points[:, k] for k, c in enumerate(domain.components)}

@@ -7,10 +7,10 @@ sparsity pattern, so the LMI is one sparse array: monomials x pattern.
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.sparse as sps
@@ -18,135 +18,21 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from lmic import svec
-from lmic.bases import DEFAULT, Choice, basis_functions
+from lmic.bases import Choice
 from lmic.domains import Domain
-from lmic.errors import DomainError, Place, PlantError, ShapeError
+from lmic.errors import DomainError, Place, PlantError
 from lmic.expand import Factor, Factors, Selector, canonical
-from lmic.language.declarations import ScalarUnknown
 from lmic.language.nodes import Inverse, Leaf
 from lmic.language.parameters import Parameter, instance_symbol, rate_symbol
 from lmic.language.theorem import Theorem
+from lmic.layout import Layout, UnknownLayout, combination, make_layout
+from lmic.parametric import ParametricLMI
 from lmic.plants.plant import Plant, exact_number
 from lmic.polynomials import MatrixPolynomial, Monomials, scalar_polynomial
+from lmic.sizes import solve_sizes
 from lmic.terms import Term, TermList, affine_parts
 
-Array = NDArray[Any]
-
-
-# The unknowns and their coordinates -----------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class UnknownLayout:
-    """Columns of one unknown: basis function b and coordinate c sit at offset + b·count + c.
-
-    ``coordinate[i, j]`` is the coordinate of the matrix entry (i, j), -1 where it is always zero.
-    """
-
-    name: str
-    offset: int
-    coordinate: Array
-    functions: tuple[sp.Expr, ...]
-
-    @property
-    def count(self) -> int:
-        return int(self.coordinate.max()) + 1
-
-    @property
-    def size(self) -> int:
-        return self.count * len(self.functions)
-
-    @property
-    def columns(self) -> slice:
-        return slice(self.offset, self.offset + self.size)
-
-    def matrices(self, x: Array) -> Array:
-        """The unknown's matrix for each basis function, shape (functions, rows, cols)."""
-        coordinates = x[self.columns].reshape(len(self.functions), self.count)
-        padded = np.concatenate([coordinates, np.zeros((len(self.functions), 1))], axis=1)
-        return padded[:, self.coordinate]
-
-    def polynomial(self, x: Array) -> MatrixPolynomial:
-        """The unknown at the solution x, as a polynomial in the parameters' components."""
-        total = _combination(self.functions)
-        values = np.tensordot(total.coefficients[:, 0, :], self.matrices(x), axes=1)
-        return MatrixPolynomial(total.monomials, values)
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Names ↔ columns: where every unknown's coordinates stand in x."""
-
-    unknowns: Mapping[str, UnknownLayout]
-
-    @property
-    def size(self) -> int:
-        return sum(unknown.size for unknown in self.unknowns.values())
-
-    def label(self, column: int) -> str:
-        """The name of a column: ``P1[1,2] * alpha1``."""
-        for unknown in self.unknowns.values():
-            if unknown.offset <= column < unknown.offset + unknown.size:
-                function, coordinate = divmod(column - unknown.offset, unknown.count)
-                if unknown.coordinate.shape == (1, 1) and len(unknown.functions) == 1:
-                    return unknown.name
-                i, j = np.argwhere(unknown.coordinate == coordinate)[0] + 1
-                basis = unknown.functions[function]
-                return f"{unknown.name}[{i},{j}]" + ("" if basis == 1 else f" * {basis}")
-        raise IndexError(column)
-
-
-def _combination(functions: Sequence[sp.Expr]) -> MatrixPolynomial:
-    """The basis functions as a 1 x B polynomial."""
-    return MatrixPolynomial.from_sympy(sp.Matrix([list(functions)])).numeric()
-
-
-def coordinates(leaf: Leaf, shape: tuple[int, int], blocks: Sequence[int]) -> Array:
-    """Coordinate of each entry of an unknown: shared by symmetric pairs, -1 outside the blocks."""
-    rows, cols = np.indices(shape)
-    inside = np.ones(shape, dtype=bool)
-    if blocks:
-        member = np.repeat(np.arange(len(blocks)), blocks)
-        inside = member[rows] == member[cols]
-    key = np.where(leaf.symmetric, np.minimum(rows, cols) * shape[1] + np.maximum(rows, cols), rows * shape[1] + cols)
-    result = np.full(shape, -1)
-    _, inverse = np.unique(key[inside], return_inverse=True)
-    result[inside] = inverse
-    return result
-
-
-# The bound theorem ------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class ParametricLMI:
-    """F(θ, x) = Σ_m monomials[m](θ) · F_m(x) ≻ 0.
-
-    Entry p of the pattern is the packed matrix entry ``rows[p]`` (see :mod:`lmic.svec`) of the
-    coefficient of x[``columns[p]`` - 1], or of the constant F_m0 where ``columns[p]`` is 0.
-    ``coefficients`` is a sparse monomials x pattern array.
-    """
-
-    place: Place
-    partition: tuple[int, ...]
-    monomials: Monomials
-    rows: Array
-    columns: Array
-    coefficients: sps.csr_array
-
-    @property
-    def order(self) -> int:
-        return sum(self.partition)
-
-    def fixed(self, values: Mapping[sp.Symbol, float]) -> ParametricLMI:
-        """With the given scalars put in their values."""
-        known, rest = self.monomials.split(set(values))
-        if not known.atoms:
-            return self
-        merged, inverse = rest.merged()
-        weights = known.evaluate({symbol: np.array([value]) for symbol, value in values.items()})[0]
-        gather = sps.csr_array((weights, (inverse, np.arange(len(weights)))), shape=(len(merged), len(weights)))
-        return replace(self, monomials=merged, coefficients=(gather @ self.coefficients).tocsr())
+Array: TypeAlias = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -189,7 +75,7 @@ def bind(
     place = Place(theorem.name)
     domains = _domains(theorem, plant, place)
     values = solve_sizes(theorem, plant, sizes or {}, place)
-    binder = _Binder(theorem, plant, domains, values, _layout(theorem, domains, values, dependence or {}, place))
+    binder = _Binder(theorem, plant, domains, values, make_layout(theorem, domains, values, dependence or {}, place))
     return Binding(
         theorem=theorem,
         plant=plant,
@@ -212,7 +98,9 @@ def scalar_values(theorem: Theorem, plant: Plant, scalars: Mapping[str, Any]) ->
     unknown = sorted(set(scalars) - wanted - set(plant.scalars))
     if unknown:
         known = ", ".join(sorted(wanted | set(plant.scalars))) or "none"
-        raise PlantError(f"{unknown[0]} is no scalar of the theorem or of {plant.name} (there are: {known}); correct the name", place)
+        raise PlantError(
+            f"{unknown[0]} is no scalar of the theorem or of {plant.name} (there are: {known}); correct the name", place
+        )
     missing = sorted(wanted - set(scalars))
     if missing:
         raise PlantError(f"the scalar {missing[0]} has no value; give it, as {missing[0]}=1", place)
@@ -225,75 +113,16 @@ def _domains(theorem: Theorem, plant: Plant, place: Place) -> dict[str, Domain]:
     for name, instances in theorem.parameters.items():
         if name not in plant.domains:
             known = ", ".join(plant.domains) or "no parameter"
-            raise DomainError(f"the parameter {name} has no domain in {plant.name}, which has {known}; add it there", place)
+            raise DomainError(
+                f"the parameter {name} has no domain in {plant.name}, which has {known}; add it there", place
+            )
         domain, required = plant.domains[name], instances[0].required
         if required and domain.kind != required:
-            raise DomainError(f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}", place)
+            raise DomainError(
+                f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}", place
+            )
         domains[name] = domain
     return domains
-
-
-def solve_sizes(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place: Place) -> dict[sp.Symbol, int]:
-    """Values of the symbolic dimensions, from the shapes of the plant's matrices."""
-    values: dict[sp.Symbol, int] = {}
-    witness: dict[sp.Symbol, str] = {}
-    for name, leaf in theorem.data.items():
-        if name not in plant.matrices:
-            has = ", ".join(sorted(plant.matrices)) or "none"
-            raise PlantError(f"the matrix {name} ({leaf.shape[0]} x {leaf.shape[1]}) is missing in {plant.name}, which has {has}; add it", place)
-        for expression, found in zip(leaf.shape, plant.matrices[name].shape, strict=True):
-            if expression.is_Symbol and expression not in values:
-                values[expression], witness[expression] = found, name
-    unknown = sorted(set(plant.matrices) - set(theorem.data))
-    if unknown:
-        raise PlantError(
-            f"{plant.name} gives the matrix {unknown[0]}, which the theorem does not use; it uses {', '.join(theorem.data)}: "
-            "rename or remove it",
-            place,
-        )
-    symbols = set().union(*(size.free_symbols for node in theorem.nodes for leaf in node.leaves() for size in leaf.shape))
-    values |= {symbol: sizes[symbol.name] for symbol in symbols if symbol.name in sizes and symbol not in values}
-    for name, leaf in theorem.data.items():
-        found_shape = plant.matrices[name].shape
-        for axis, expression in enumerate(leaf.shape):
-            expected = expression.subs(values)
-            if expected != found_shape[axis]:
-                because = ", ".join(f"{s} = {values[s]} from {witness.get(s, 'sizes')}" for s in sorted(expression.free_symbols, key=str))
-                raise ShapeError(
-                    f"the matrix {name} of {plant.name} is {found_shape[0]} x {found_shape[1]}, but {leaf.shape[0]} x {leaf.shape[1]} "
-                    f"is needed, where {because}; correct the matrix",
-                    place,
-                )
-    free = sorted((s for s in symbols if s not in values), key=str)
-    if free:
-        raise ShapeError(f"no matrix of {plant.name} fixes the dimension {free[0]}; give it, as sizes={{'{free[0]}': 2}}", place)
-    return values
-
-
-def _layout(
-    theorem: Theorem,
-    domains: Mapping[str, Domain],
-    sizes: Mapping[sp.Symbol, int],
-    dependence: Mapping[str, Choice],
-    place: Place,
-) -> Layout:
-    unknowns = theorem.unknowns
-    foreign = sorted(set(dependence) - set(unknowns))
-    if foreign:
-        raise PlantError(f"{foreign[0]} is no unknown of the theorem, which has {', '.join(unknowns)}; correct the name", place)
-    layout: dict[str, UnknownLayout] = {}
-    offset = 0
-    for scalar in theorem.scalar_unknowns:
-        layout[scalar.name] = UnknownLayout(scalar.name, offset, np.zeros((1, 1), dtype=int), (sp.Integer(1),))
-        offset += 1
-    for name, leaf in unknowns.items():
-        parameters = {parameter: domains[parameter] for parameter in theorem.dependence(name)}
-        functions = basis_functions(name, dependence.get(name, DEFAULT), parameters)
-        shape = tuple(int(size.subs(sizes)) for size in leaf.shape)
-        blocks = [] if name in theorem.full else [int(size.subs(sizes)) for size in leaf.blocks]
-        layout[name] = UnknownLayout(name, offset, coordinates(leaf, (shape[0], shape[1]), blocks), functions)
-        offset += layout[name].size
-    return Layout(layout)
 
 
 # Numbers enter ------------------------------------------------------------------------------------
@@ -392,7 +221,7 @@ class _Binder:
             functions = tuple(
                 sp.Add(*(sp.diff(f, sp.Symbol(c)) * rate_symbol(c) for c in components)) for f in functions
             )
-        return _combination(functions).renamed(self.instances(leaf))
+        return combination(functions).renamed(self.instances(leaf))
 
     def objective(self) -> MatrixPolynomial | None:
         """What is minimised as a 1 x (1 + n) polynomial in the given scalars, constant first."""
@@ -402,7 +231,9 @@ class _Binder:
         scalars = self.theorem.scalar_unknowns
         parts = affine_parts(expression, scalars)
         if parts is None:
-            raise PlantError(f"the objective {expression} is not affine in {', '.join(map(str, scalars))}", Place(self.theorem.name))
+            raise PlantError(
+                f"the objective {expression} is not affine in {', '.join(map(str, scalars))}", Place(self.theorem.name)
+            )
         row = [_plain(parts[0])] + [sp.Integer(0)] * self.layout.size
         for scalar, slope in parts[1].items():
             row[1 + self.layout.unknowns[scalar.name].offset] = _plain(slope)
@@ -453,7 +284,15 @@ class _Binder:
             for m_right in range(len(wide)):
                 product = tall[m_left][:, None, :] * wide[m_right].T[None, :, :]  # p x s x entries
                 row, col, entry = np.nonzero(product)
-                found.append((np.full(len(row), m_left * len(wide) + m_right), row, col, coordinate[entry], product[row, col, entry]))
+                found.append(
+                    (
+                        np.full(len(row), m_left * len(wide) + m_right),
+                        row,
+                        col,
+                        coordinate[entry],
+                        product[row, col, entry],
+                    )
+                )
         monomial, row, col, coord, value = (np.concatenate(part) for part in zip(*found, strict=True))
         # every basis function repeats the entries in its own columns
         m_basis, _, function = np.nonzero(basis.coefficients)
@@ -475,7 +314,9 @@ def _plain(expression: sp.Expr) -> sp.Expr:
     return expression.xreplace({s: sp.Symbol(s.name) for s in expression.free_symbols})
 
 
-def _unknown_entries(unknown: Factor, layout: UnknownLayout, binder: _Binder) -> tuple[Array, Array, Array, tuple[int, int]]:
+def _unknown_entries(
+    unknown: Factor, layout: UnknownLayout, binder: _Binder
+) -> tuple[Array, Array, Array, tuple[int, int]]:
     """Rows, columns and coordinates of the nonzero entries of I ⊗ X ⊗ I, and its shape."""
     marked = (layout.coordinate.T if unknown.transposed else layout.coordinate) + 1
     marked = np.kron(np.eye(binder.size(unknown.before), dtype=int), marked)

@@ -21,9 +21,9 @@ from lmic.language.nodes import (
     Inverse,
     Kronecker,
     Leaf,
+    MatrixProduct,
+    MatrixSum,
     Node,
-    Product,
-    Sum,
     Transposed,
     Zero,
 )
@@ -32,9 +32,7 @@ Array: TypeAlias = NDArray[Any]
 Valuation: TypeAlias = Callable[[Leaf], Array]
 
 
-def evaluate(
-    node: Node, leaf: Valuation, scalars: Mapping[str, float], sizes: Mapping[sp.Symbol, int]
-) -> Array:
+def evaluate(node: Node, leaf: Valuation, scalars: Mapping[str, float], sizes: Mapping[sp.Symbol, int]) -> Array:
     """Value of ``node``, shape (..., rows, cols); leading axes of the leaves broadcast.
 
     ``leaf`` gives the value of a named matrix at its arguments, ``scalars`` the values of scalar
@@ -51,9 +49,9 @@ def evaluate(
             return np.eye(_size(node.shape[0], sizes))
         case Zero():
             return np.zeros((_size(node.shape[0], sizes), _size(node.shape[1], sizes)))
-        case Sum():
+        case MatrixSum():
             return sum((value(operand) for operand in node.nodes[1:]), value(node.nodes[0]))
-        case Product():
+        case MatrixProduct():
             result = value(node.nodes[0])
             for operand in node.nodes[1:]:
                 result = result @ value(operand)
@@ -84,7 +82,9 @@ def block_array(rows: list[list[Array]]) -> Array:
 
 def _inverse(node: Inverse, matrix: Array) -> Array:
     if np.linalg.cond(matrix).max() > 1 / np.finfo(float).eps:
-        raise RecoveryError(f"{node.nodes[0]} is singular at the solution; ask for a larger margin or change the given scalars")
+        raise RecoveryError(
+            f"{node.nodes[0]} is singular at the solution; ask for a larger margin or change the given scalars"
+        )
     return np.linalg.inv(matrix)
 
 

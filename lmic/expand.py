@@ -18,9 +18,9 @@ from lmic.language.nodes import (
     Inverse,
     Kronecker,
     Leaf,
+    MatrixProduct,
+    MatrixSum,
     Node,
-    Product,
-    Sum,
     Transposed,
     Zero,
 )
@@ -87,9 +87,9 @@ def _expand(node: Node) -> Expansion:
             return {(Factor(Selector(node.shape[0], sp.Integer(0), node.shape[0])),): ONE}
         case Zero():
             return {}
-        case Sum():
+        case MatrixSum():
             return _merge([_expand(operand) for operand in node.nodes])
-        case Product():
+        case MatrixProduct():
             product: Expansion = {(): node.coefficient}
             for operand in node.nodes:
                 product = _multiply(product, _expand(operand))
@@ -128,9 +128,7 @@ def _merge(expansions: list[Expansion]) -> Expansion:
 
 
 def _multiply(first: Expansion, second: Expansion) -> Expansion:
-    return _merge(
-        [{_simplified(a + b): sp.expand(ca * cb)} for a, ca in first.items() for b, cb in second.items()]
-    )
+    return _merge([{_simplified(a + b): sp.expand(ca * cb)} for a, ca in first.items() for b, cb in second.items()])
 
 
 def _simplified(factors: Factors) -> Factors:

@@ -16,9 +16,9 @@ from lmic.language.nodes import (
     Hermitian,
     Identity,
     Inverse,
+    MatrixProduct,
+    MatrixSum,
     Node,
-    Product,
-    Sum,
     is_zero,
 )
 from lmic.language.theorem import LMI, Theorem
@@ -51,12 +51,15 @@ def lower_lmi(lmi: LMI, place: Place) -> SymbolicLMI:
     for i, row in enumerate(lmi.rows):
         if len(row) != size:
             raise DefinitionError(
-                f"row {i + 1} has {len(row)} blocks but the LMI has {size} rows; write star for each mirrored block", place
+                f"row {i + 1} has {len(row)} blocks but the LMI has {size} rows; write star for each mirrored block",
+                place,
             )
     entries = {
         (i, j): _entry(entry, place.at((i + 1, j + 1))) for i, row in enumerate(lmi.rows) for j, entry in enumerate(row)
     }
     for (i, j), entry in entries.items():
+        if i == j and isinstance(entry, Star):
+            raise DefinitionError("a diagonal block cannot be a star; write the block", place.at((i + 1, i + 1)))
         if isinstance(entry, Node):
             check_shapes(entry, place.at((i + 1, j + 1)))
     partition = _partition(entries, size, place)
@@ -65,7 +68,7 @@ def lower_lmi(lmi: LMI, place: Place) -> SymbolicLMI:
         for j in range(i, size):
             block = _upper_block(entries, i, j, place)
             if block is not None:
-                blocks[i, j] = block if lmi.sense > 0 else Product.of(-1, block)
+                blocks[i, j] = block if lmi.sense > 0 else MatrixProduct.of(-1, block)
     return SymbolicLMI(place, partition, lmi.sense, blocks)
 
 
@@ -76,7 +79,7 @@ def _entry(entry: Any, place: Place) -> Node | Star | None:
     if is_zero(entry):
         return None
     if isinstance(entry, (int, float, sp.Expr)) and not isinstance(entry, sp.MatrixExpr):
-        return Product.of(entry, Identity(1))
+        return MatrixProduct.of(entry, Identity(1))
     raise DefinitionError(f"{entry!r} is not a block; give a matrix expression, 0 or star", place)
 
 
@@ -105,13 +108,13 @@ def _upper_block(entries: Mapping[tuple[int, int], Any], i: int, j: int, place: 
     """The block (i, j), i ≤ j, from itself or its mirrored star; symmetric pairs are compared."""
     here, mirrored = entries[i, j], entries[j, i]
     if i == j:
-        if isinstance(here, Star):
-            raise DefinitionError("a diagonal block cannot be a star; write the block", place.at((i + 1, i + 1)))
         if here is not None:
             _require_symmetric(here, place.at((i + 1, i + 1)))
         return here
     if isinstance(here, Star) and isinstance(mirrored, Star):
-        raise DefinitionError(f"this block and its mirror ({j + 1},{i + 1}) are both star; write one of them", place.at((i + 1, j + 1)))
+        raise DefinitionError(
+            f"this block and its mirror ({j + 1},{i + 1}) are both star; write one of them", place.at((i + 1, j + 1))
+        )
     if isinstance(mirrored, Star):
         return here
     if isinstance(here, Star):
@@ -157,11 +160,11 @@ Sized: TypeAlias = tuple[str, Size]
 def _pairs(node: Node) -> Iterator[tuple[Sized, Sized, str]]:
     """Sizes that must agree in an expression."""
     operands: Sequence[Node] = node.nodes
-    if isinstance(node, Sum):
+    if isinstance(node, MatrixSum):
         for other in operands[1:]:
             for axis in (0, 1):
                 yield _sized(operands[0], axis), _sized(other, axis), "add"
-    elif isinstance(node, Product):
+    elif isinstance(node, MatrixProduct):
         for left, right in zip(operands, operands[1:], strict=False):
             yield _sized(left, 1), _sized(right, 0), "multiply"
     elif isinstance(node, (Hermitian, Inverse)):

@@ -55,8 +55,8 @@ class Monomials:
 
     def merged(self) -> tuple[Monomials, Array]:
         """Distinct monomials and, for each old one, its place among them."""
-        used = self.exponents.any(axis=0)
-        atoms = tuple(atom for atom, keep in zip(self.atoms, used, strict=True) if keep)
+        used = np.flatnonzero(self.exponents.any(axis=0))
+        atoms = tuple(self.atoms[column] for column in used)
         exponents, inverse = np.unique(self.exponents[:, used], axis=0, return_inverse=True)
         if not atoms:
             exponents = np.zeros((min(len(self), 1), 0), dtype=np.int64)
@@ -167,7 +167,7 @@ class MatrixPolynomial:
         """The matrix of expressions, floats as exact rationals."""
         total = sp.zeros(*self.shape)
         for powers, coefficient in zip(self.monomials.exponents, self.coefficients, strict=True):
-            monomial = sp.Mul(*(atom**int(power) for atom, power in zip(self.monomials.atoms, powers, strict=True)))
+            monomial = sp.Mul(*(atom ** int(power) for atom, power in zip(self.monomials.atoms, powers, strict=True)))
             total += sp.Matrix(*self.shape, [sp.Rational(value) for value in coefficient.ravel()]) * monomial
         return total
 

@@ -53,7 +53,9 @@ def term_lists(lowered: Mapping[str, SymbolicLMI]) -> dict[str, TermList]:
 
 def terms(block: Node, place: Place) -> tuple[Term, ...]:
     """One block as a sum of terms."""
-    return tuple(term for factors, coefficient in canonical(block).items() for term in _split(coefficient, factors, place))
+    return tuple(
+        term for factors, coefficient in canonical(block).items() for term in _split(coefficient, factors, place)
+    )
 
 
 def _split(coefficient: sp.Expr, factors: Factors, place: Place) -> list[Term]:
@@ -106,7 +108,8 @@ def _require_data(factor: Factor, place: Place) -> None:
     hidden = [leaf for leaf in factor.matrix.leaves() if leaf.role == "unknown"]
     if hidden:
         raise NotAffineError(
-            f"{factor.matrix} inverts the unknown {hidden[0]}; use a Schur complement or a congruence to remove it", place
+            f"{factor.matrix} inverts the unknown {hidden[0]}; use a Schur complement or a congruence to remove it",
+            place,
         )
 
 

@@ -10,9 +10,21 @@ import sympy as sp
 from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Node, Zero
 
 
-def dims(names: str) -> tuple[sp.Symbol, ...]:
+class SymbolicSize(sp.Symbol):
+    """A symbolic dimension; ``nx`` prints as n_x in LaTeX."""
+
+    def __new__(cls, name: str) -> Self:
+        symbol: Self = sp.Symbol.__new__(cls, name, integer=True, positive=True)
+        return symbol
+
+    def _latex(self, printer: Any) -> str:
+        name = str(self.name)
+        return f"{name[0]}_{{{name[1:]}}}" if len(name) > 1 and name.isalpha() else sp.latex(sp.Symbol(name))
+
+
+def dims(names: str) -> tuple[SymbolicSize, ...]:
     """Symbolic dimensions, ``nx, nw = dims("nx nw")``; the plant's matrices fix their values."""
-    return tuple(sp.Symbol(name, integer=True, positive=True) for name in names.split())
+    return tuple(SymbolicSize(name) for name in names.split())
 
 
 def Data(name: str, rows: Any, cols: Any, symmetric: bool = False) -> Leaf:
@@ -35,7 +47,7 @@ def BlockDiagonal(name: str, *blocks: Any) -> Leaf:
     return Leaf(name, sp.Add(*blocks), sp.Add(*blocks), "unknown", blocks=blocks)
 
 
-class NamedScalar(sp.Symbol):  # type: ignore[misc]
+class NamedScalar(sp.Symbol):
     """A scalar symbol with its own LaTeX name."""
 
     __slots__ = ("latex_name",)

@@ -17,8 +17,6 @@ from sympy.printing.precedence import PRECEDENCE
 from lmic.errors import DefinitionError
 from lmic.language.parameters import Parameter
 
-Scalar = sp.Expr
-
 
 def exact(value: Any) -> sp.Expr:
     """A scalar as written: the float 0.1 stands for the rational 1/10."""
@@ -27,37 +25,37 @@ def exact(value: Any) -> sp.Expr:
     return sp.sympify(value)
 
 
-class Node(MatrixExpr):  # type: ignore[misc]
+class Node(MatrixExpr):
     """A matrix expression. Operators build larger ones without evaluating anything."""
 
     _op_priority = 20.0
 
     def __add__(self, other: Any) -> Node:
-        return Sum.of(self, other)
+        return MatrixSum.of(self, other)
 
     def __radd__(self, other: Any) -> Node:
-        return Sum.of(other, self)
+        return MatrixSum.of(other, self)
 
     def __sub__(self, other: Any) -> Node:
-        return Sum.of(self, Product.of(-1, other))
+        return MatrixSum.of(self, MatrixProduct.of(-1, other))
 
     def __rsub__(self, other: Any) -> Node:
-        return Sum.of(other, Product.of(-1, self))
+        return MatrixSum.of(other, MatrixProduct.of(-1, self))
 
     def __neg__(self) -> Node:
-        return Product.of(-1, self)
+        return MatrixProduct.of(-1, self)
 
     def __mul__(self, other: Any) -> Node:
-        return Product.of(self, other)
+        return MatrixProduct.of(self, other)
 
     def __rmul__(self, other: Any) -> Node:
-        return Product.of(other, self)
+        return MatrixProduct.of(other, self)
 
     __matmul__ = __mul__
     __rmatmul__ = __rmul__
 
     def __truediv__(self, other: Any) -> Node:
-        return Product.of(1 / exact(other), self)
+        return MatrixProduct.of(1 / exact(other), self)
 
     @property
     def T(self) -> Node:
@@ -146,7 +144,8 @@ class Leaf(Node):
             "derivative": self.derivative,
             **changes,
         }
-        return Leaf(self.name, *self._size, self.role, **fields)
+        rows, cols = self._size
+        return Leaf(self.name, rows, cols, self.role, **fields)
 
     @property
     def declaration(self) -> Leaf:
@@ -204,7 +203,7 @@ class Zero(Node):
     _latex = _sympystr
 
 
-class Sum(Node):
+class MatrixSum(Node):
     precedence = PRECEDENCE["Add"]
 
     @staticmethod
@@ -215,10 +214,10 @@ class Sum(Node):
             if isinstance(operand, (int, sp.Integer)) and operand == 0:
                 continue
             node = as_node(operand)
-            parts.extend(node.nodes if isinstance(node, Sum) else [node])
+            parts.extend(node.nodes if isinstance(node, MatrixSum) else [node])
         if len(parts) == 1:
             return parts[0]
-        result: Sum = sp.Basic.__new__(Sum, *parts)
+        result: MatrixSum = sp.Basic.__new__(MatrixSum, *parts)
         return result
 
     @property
@@ -231,7 +230,7 @@ class Sum(Node):
     _latex = _sympystr
 
 
-class Product(Node):
+class MatrixProduct(Node):
     """scalar · factor · factor …; the scalar is the first argument, 1 if none was written."""
 
     precedence = PRECEDENCE["Mul"]
@@ -241,7 +240,7 @@ class Product(Node):
         coefficient: sp.Expr = sp.Integer(1)
         factors: list[Node] = []
         for operand in operands:
-            if isinstance(operand, Product):
+            if isinstance(operand, MatrixProduct):
                 coefficient *= operand.coefficient
                 factors.extend(operand.nodes)
             elif isinstance(operand, Node):
@@ -255,7 +254,7 @@ class Product(Node):
                     as_node(operand)
         if coefficient == 1 and len(factors) == 1:
             return factors[0]
-        result: Product = sp.Basic.__new__(Product, coefficient, *factors)
+        result: MatrixProduct = sp.Basic.__new__(MatrixProduct, coefficient, *factors)
         return result
 
     @property
@@ -382,11 +381,16 @@ class Block(Node):
 
     def __new__(cls, rows: Sequence[Sequence[Any]]) -> Block:
         if not rows or any(len(row) != len(rows[0]) for row in rows):
-            raise DefinitionError("the rows of a Block have different lengths; give every row the same number of blocks")
+            raise DefinitionError(
+                "the rows of a Block have different lengths; give every row the same number of blocks"
+            )
         entries = [[0 if is_zero(entry) else as_node(entry) for entry in row] for row in rows]
-        heights = [_common_size([e for e in row if e != 0], 0, f"row {i + 1}") for i, row in enumerate(entries)]
+        heights = [
+            _common_size([e for e in row if isinstance(e, Node)], 0, f"row {i + 1}") for i, row in enumerate(entries)
+        ]
         widths = [
-            _common_size([row[j] for row in entries if row[j] != 0], 1, f"column {j + 1}") for j in range(len(entries[0]))
+            _common_size([row[j] for row in entries if isinstance(row[j], Node)], 1, f"column {j + 1}")
+            for j in range(len(entries[0]))
         ]
         filled = [
             [Zero(heights[i], widths[j]) if entry == 0 else entry for j, entry in enumerate(row)]
@@ -429,11 +433,12 @@ def is_zero(entry: Any) -> bool:
 
 def _common_size(nodes: Sequence[Node], axis: int, what: str) -> sp.Expr:
     if not nodes:
-        raise DefinitionError(f"{what} of a Block holds only literal zeros, so its size is unknown; use zeros(n, m) once")
+        raise DefinitionError(
+            f"{what} of a Block holds only literal zeros, so its size is unknown; use zeros(n, m) once"
+        )
     return nodes[0].shape[axis]
 
 
 def _signed_sum(texts: Sequence[str]) -> str:
     head, *tail = texts
     return head + "".join(f" - {text[1:]}" if text.startswith("-") else f" + {text}" for text in tail)
-

@@ -122,12 +122,12 @@ class Theorem:
         if not self.lmis:
             raise DefinitionError(f"{self.name or 'the theorem'} states no LMI; give lmis={{'name': PD([[...]])}}")
 
-    def variant(self, name: str) -> Theorem:
+    def variant(self, key: str, name: str = "") -> Theorem:
         """The theorem with one of its declared choices made."""
-        choice = self.variants[name]
+        choice = self.variants[key]
         return replace(
             self,
-            name=name,
+            name=name or key,
             title=choice.title,
             source=replace(self.source, statement=choice.statement or self.source.statement),
             constant=frozenset(leaf.name for leaf in choice.constant),

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
 from lmic import svec
-from lmic.bind import ParametricLMI
+from lmic.parametric import ParametricLMI
 from lmic.polynomials import Monomials
 
-Array = NDArray[Any]
+Array: TypeAlias = NDArray[Any]
 
 
 class Soundness(StrEnum):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-Array = NDArray[Any]
+Array: TypeAlias = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -72,4 +72,6 @@ class ConeSolver(Protocol):
 
     name: str
 
-    def __call__(self, data: ConeData) -> ConeAnswer: ...
+    def __call__(self, data: ConeData, rough: bool = False) -> ConeAnswer:
+        """Solve; ``rough`` asks for a quick answer that only serves to find better coordinates."""
+        ...

@@ -9,7 +9,7 @@ orthonormal columns. Problems too large for that get the diagonal part of both.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.linalg
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from lmic import svec
 from lmic.solve.cone import ConeData
 
-Array = NDArray[Any]
+Array: TypeAlias = NDArray[Any]
 
 #: share of diag(S) added to S: at the optimum S is singular, and its inverse root must stay bounded
 REGULARISATION = 1e-4

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.sparse as sps
@@ -13,9 +13,9 @@ from lmic.assemble import ConicProblem
 from lmic.solve import scaling
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeAnswer, ConeData, ConeSolver, Status
-from lmic.solve.lineality import independent_columns
+from lmic.solve.lineality import lineality
 
-Array = NDArray[Any]
+Array: TypeAlias = NDArray[Any]
 
 #: passes of rescaling and solving again
 PASSES = 6
@@ -95,20 +95,20 @@ def solve(problem: ConicProblem, solver: ConeSolver | None = None, passes: int =
     if not problem.cost.any():
         return _feasibility(problem, solver, passes)
     data = ConeData(problem.cost, problem.matrix, problem.offset, problem.orders)
-    kept = independent_columns(data.matrix)
-    if _unseen_cost(data, kept):
-        return _without_answer(problem, Status.UNBOUNDED, solver, len(data.cost) - len(kept), ())
+    directions = lineality(data.matrix)
+    kept, unseen = directions.kept, len(directions.left_out)
+    if directions.unseen(data.cost):
+        return _without_answer(problem, Status.UNBOUNDED, solver, unseen, ())
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
     best, steps = _iterate(reduced, solver, passes)
-    lineality = len(data.cost) - len(kept)
-    if best.answer.status is Status.INFEASIBLE or not best.answer.status.usable and best.step.violation > 1e-6:
+    if best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6):
         if margin(problem, solver, passes).value > 0:
-            return _without_answer(problem, Status.INFEASIBLE, solver, lineality, steps)
+            return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
     if best.answer.status is Status.UNBOUNDED:
-        return _without_answer(problem, Status.UNBOUNDED, solver, lineality, steps)
+        return _without_answer(problem, Status.UNBOUNDED, solver, unseen, steps)
     x = np.zeros(problem.size)
     x[kept] = best.x
-    return _judged(problem, best, x, steps, lineality, solver)
+    return _judged(problem, best, x, steps, unseen, solver)
 
 
 def margin(problem: ConicProblem, solver: ConeSolver | None = None, passes: int = PASSES) -> Solution:
@@ -123,7 +123,7 @@ def margin(problem: ConicProblem, solver: ConeSolver | None = None, passes: int 
         np.concatenate([problem.offset, [1.0]]),
         np.concatenate([problem.orders, [1]]),
     )
-    kept = independent_columns(data.matrix)
+    kept = lineality(data.matrix).kept
     best, steps = _iterate(replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept]), solver, passes)
     x = np.zeros(problem.size + 1)
     x[kept] = best.x
@@ -147,23 +147,13 @@ def _svec_identity(order: int) -> Array:
     return vector
 
 
-def _unseen_cost(data: ConeData, kept: Array) -> bool:
-    """Whether the objective moves along a direction that no LMI sees."""
-    if len(kept) == len(data.cost):
-        return False
-    gram = (data.matrix[:, kept].T @ data.matrix).toarray()
-    cross = np.linalg.lstsq(gram[:, kept], gram, rcond=None)[0]
-    rest = data.cost - data.cost[kept] @ cross
-    return bool(np.abs(rest).max() > 1e-8 * np.abs(data.cost).max())
-
-
 def _iterate(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidate, tuple[Pass, ...]]:
     """Solve, rescale by the best answer so far, solve again, until the value settles."""
     scaled, transform = scaling.initial(data)
     best: _Candidate | None = None
     steps: list[Pass] = []
-    for _ in range(passes):
-        candidate = _candidate(data, transform, solver(scaled))
+    for number in range(passes):
+        candidate = _candidate(data, transform, solver(scaled, rough=number == 0))
         steps.append(candidate.step)
         previous = best
         if best is None or candidate.merit < best.merit:
@@ -208,7 +198,7 @@ def _worst(packed: Array, slack: Array, orders: Array) -> tuple[float, float, in
 
 
 def _judged(
-    problem: ConicProblem, best: _Candidate, x: Array, steps: tuple[Pass, ...], lineality: int, solver: ConeSolver
+    problem: ConicProblem, best: _Candidate, x: Array, steps: tuple[Pass, ...], unseen: int, solver: ConeSolver
 ) -> Solution:
     """Measure the answer on the problem itself and say what is wrong with it."""
     rows = int(problem.starts[-1])
@@ -222,12 +212,15 @@ def _judged(
         relative_violation=min(relative, 0.0),
         worst=problem.label(place),
         dual=best.dual[:rows],
-        lineality=lineality,
+        lineality=unseen,
         solver=solver.name,
         passes=steps,
         warnings=(),
     )
-    return replace(found, warnings=_warnings(found))
+    warnings = _warnings(found)
+    # the solver's word says little in either direction: what was measured decides
+    status = (Status.ALMOST if warnings else Status.SOLVED) if found.status.usable else found.status
+    return replace(found, status=status, warnings=warnings)
 
 
 def _warnings(found: Solution) -> tuple[str, ...]:
@@ -239,15 +232,17 @@ def _warnings(found: Solution) -> tuple[str, ...]:
             f"the LMI '{found.worst}' is violated by {-found.relative_violation:.1e} relative to its diagonal, so the number is no bound"
         )
     if found.gap > TRUSTED_GAP:
-        warnings.append(f"primal and dual objective differ by {found.gap:.1e} (relative), so the digits beyond that are not known")
+        warnings.append(
+            f"primal and dual objective differ by {found.gap:.1e} (relative), so the digits beyond that are not known"
+        )
     return tuple(warnings)
 
 
 def _without_answer(
-    problem: ConicProblem, status: Status, solver: ConeSolver, lineality: int, steps: tuple[Pass, ...]
+    problem: ConicProblem, status: Status, solver: ConeSolver, unseen: int, steps: tuple[Pass, ...]
 ) -> Solution:
     value = np.inf if status is Status.INFEASIBLE else -np.inf
     empty = np.full(problem.size, np.nan)
     return Solution(
-        status, empty, value, value, -np.inf, -np.inf, "", np.zeros(0), lineality, solver.name, steps, (status.advice,)
+        status, empty, value, value, -np.inf, -np.inf, "", np.zeros(0), unseen, solver.name, steps, (status.advice,)
     )

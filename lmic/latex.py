@@ -1,0 +1,47 @@
+r"""LaTeX of a theorem's block matrices, as the paper prints them: ``\star`` for mirrored blocks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from lmic.language.declarations import Star
+from lmic.language.theorem import LMI, Theorem
+
+
+def matrix(lmi: LMI) -> str:
+    """The block matrix of one LMI with its sign, for a display environment (needs amsmath)."""
+    sign = r"\succ 0" if lmi.sense > 0 else r"\prec 0"
+    if len(lmi.rows) == 1:
+        return f"{entry(lmi.rows[0][0])} {sign}"
+    rows = " \\\\\n".join("  " + " & ".join(entry(block) for block in row) for row in lmi.rows)
+    columns = "c" * len(lmi.rows)
+    return f"\\left[\\begin{{array}}{{{columns}}}\n{rows}\n\\end{{array}}\\right] {sign}"
+
+
+def entry(block: Any) -> str:
+    """One block."""
+    if isinstance(block, Star):
+        return r"\star"
+    text: str = sp.latex(block)
+    return text
+
+
+def theorem(statement: Theorem) -> str:
+    """All LMIs of a theorem, each with a label, as ``align`` would number them."""
+    parts = [
+        f"\\begin{{equation}}\\label{{eq:{statement.name}:{name}}}\n{matrix(lmi)}\n\\end{{equation}}"
+        for name, lmi in statement.lmis.items()
+    ]
+    return "\n".join(parts)
+
+
+def document(statement: Theorem) -> str:
+    """A complete document that pdflatex compiles, its page as large as its matrices."""
+    bodies = "\n\n".join(f"$\\displaystyle {matrix(lmi)}$" for lmi in statement.lmis.values())
+    return (
+        "\\documentclass{article}\n\\usepackage{amsmath,amssymb}\n"
+        "\\usepackage[paperwidth=60cm,paperheight=30cm,margin=1cm]{geometry}\n"
+        f"\\pagestyle{{empty}}\n\\begin{{document}}\n\\noindent\n{bodies}\n\\end{{document}}\n"
+    )

@@ -1,0 +1,115 @@
+"""The theorem library: finding theorems by name or path, and loading them.
+
+A theorem's name is its path in the library with dots, ``peixoto2025.theorem1``; a variant stands
+beside its theorem, ``peixoto2025.corollary1``. A user's own file is loaded by path in exactly the
+same way; its variants are ``./my_theorem.py:robust``.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import traceback
+from dataclasses import replace
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+from lmic.errors import DefinitionError, LibraryError, LmicError
+from lmic.language.theorem import Theorem
+
+
+@cache
+def root() -> Path:
+    """Folder of the library: inside the installed package, or beside it in a checkout."""
+    package = Path(__file__).parent
+    for folder in (package / "theorems", package.parent / "theorems"):
+        if folder.is_dir():
+            return folder
+    raise LibraryError(f"the theorem library is missing beside {package}; install lmic again")
+
+
+@cache
+def files() -> dict[str, Path]:
+    """Every theorem file of the library by its name."""
+    return {
+        ".".join(path.relative_to(root()).with_suffix("").parts): path
+        for path in sorted(root().rglob("*.py"))
+        if not path.name.startswith("_")
+    }
+
+
+def names() -> list[str]:
+    """Names of all theorems and variants, in order."""
+    found: list[str] = []
+    for name, path in files().items():
+        found.append(name)
+        found.extend(f"{_group(name)}{variant}" for variant in load_file(path).variants)
+    return found
+
+
+def theorem(name: str | Path) -> Theorem:
+    """A theorem by library name or by path; raises LibraryError with the nearest names."""
+    text = str(name)
+    if text.endswith(".py") or ".py:" in text or "/" in text:
+        stem, _, variant = text.partition(".py")
+        return _with_name(load_file(Path(stem + ".py")), Path(stem).name, variant.removeprefix(":"))
+    if text in files():
+        return replace(load_file(files()[text]), name=text)
+    for file_name, path in files().items():
+        variant = text.removeprefix(_group(file_name))
+        if text.startswith(_group(file_name)) and variant in load_file(path).variants:
+            return load_file(path).variant(variant, name=text)
+    near = get_close_matches(text, names(), n=3)
+    hint = f"did you mean {' or '.join(near)}?" if near else "'lmic list' shows all names"
+    raise LibraryError(f"there is no theorem '{text}' in the library; {hint}")
+
+
+def _with_name(loaded: Theorem, name: str, variant: str) -> Theorem:
+    if not variant:
+        return replace(loaded, name=name)
+    if variant not in loaded.variants:
+        has = ", ".join(loaded.variants) or "none"
+        raise LibraryError(f"{name} has no variant '{variant}'; it has {has}")
+    return loaded.variant(variant, name=f"{name}:{variant}")
+
+
+def _group(name: str) -> str:
+    """``peixoto2025.`` of ``peixoto2025.theorem1``."""
+    return name.rpartition(".")[0] + "." if "." in name else ""
+
+
+@cache
+def load_file(path: Path) -> Theorem:
+    """Run a theorem file and return its ``theorem``; errors name the file and line."""
+    if not path.is_file():
+        raise LibraryError(f"there is no file {path}; give the path of a theorem file or a name that 'lmic list' shows")
+    module = _run(path)
+    found = getattr(module, "theorem", None)
+    if not isinstance(found, Theorem):
+        raise DefinitionError(f"{path} defines no theorem; end it with theorem = Theorem(...)")
+    return replace(found, name=path.stem, description=(module.__doc__ or "").strip())
+
+
+def _run(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"lmic_theorem_{path.stem}", path)
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    wrote_bytecode, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    try:
+        spec.loader.exec_module(module)
+    except SyntaxError as error:
+        raise DefinitionError(f"{path}, line {error.lineno}: {error.msg}; correct the Python there") from error
+    except LmicError as error:
+        raise type(error)(f"{_place(path, error)}: {error}") from error
+    except Exception as error:  # the user's file may raise anything
+        raise DefinitionError(f"{_place(path, error)}: {type(error).__name__}: {error}; correct the line") from error
+    finally:
+        sys.dont_write_bytecode = wrote_bytecode
+    return module
+
+
+def _place(path: Path, error: BaseException) -> str:
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
+    return f"{path}, line {lines[-1]}" if lines else str(path)

@@ -1,0 +1,1 @@
+"""The papers' tables and figures: case tables, their verdicts, and their pictures."""

@@ -1,0 +1,105 @@
+"""From a theorem and a plant to a design, in nine stages.
+
+| # | record         | made by            | content                                                        |
+|---|----------------|--------------------|----------------------------------------------------------------|
+| 0 | Theorem        | a theorem file     | block matrices over symbolic dimensions                        |
+| 1 | SymbolicLMI    | lower              | stars filled, F ≻ 0, shapes and symmetry checked               |
+| 2 | TermList       | terms              | every block as Σ coefficient · L · X · R                       |
+| 3 | ParametricLMI  | bind               | plant and bases in: Σ_m g_m(θ) F_m(x)                          |
+| 4 | LMIFamily      | relax              | finitely many LMIs, labelled, with their soundness             |
+| 5 | ConicProblem   | assemble           | minimise c·x, F_k(x) ⪰ 0, one sparse array                     |
+| 6 | Solution       | solve              | lineality, congruence rescaling, solver, measured violation    |
+| 7 | Certificate    | certify            | what is proven of the number                                   |
+| 8 | Design         | recover            | the filter's matrices as functions of the parameter            |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import sympy as sp
+
+from lmic.assemble import ConicProblem, assemble
+from lmic.assumptions import check_assumptions
+from lmic.bases import Choice
+from lmic.bind import Binding, bind
+from lmic.language.theorem import Theorem
+from lmic.lower import lower
+from lmic.plants.plant import Plant
+from lmic.recover import Design, recover
+from lmic.relax.relax import relax
+from lmic.solve.cone import ConeSolver
+from lmic.solve.solve import Solution, solve
+from lmic.terms import term_lists
+
+
+@dataclass(frozen=True)
+class Result:
+    """A solved theorem: ``reports`` hold what it reports (γ), computed from the solution."""
+
+    problem: ConicProblem
+    solution: Solution
+    design: Design
+    reports: Mapping[str, float]
+    seconds: float
+
+    @property
+    def theorem(self) -> Theorem:
+        """The theorem that was solved."""
+        return self.problem.binding.theorem
+
+
+def prepare(
+    theorem: Theorem,
+    plant: Plant,
+    dependence: Mapping[str, Choice] | None = None,
+    sizes: Mapping[str, int] | None = None,
+) -> Binding:
+    """Stages 1 to 3, with the given scalars still open: the part that a sweep does once."""
+    return bind(theorem, term_lists(lower(theorem)), plant, dependence, sizes)
+
+
+def finish(
+    binding: Binding, given: Mapping[str, Any] | None = None, polya: Mapping[str, int] | int = 0
+) -> ConicProblem:
+    """Stages 3 to 5: the given scalars set, relaxed, assembled."""
+    fixed = binding.fixed(given or {})
+    return assemble(fixed, relax(fixed, polya))
+
+
+def compile(
+    theorem: Theorem,
+    plant: Plant,
+    given: Mapping[str, Any] | None = None,
+    dependence: Mapping[str, Choice] | None = None,
+    polya: Mapping[str, int] | int = 0,
+    sizes: Mapping[str, int] | None = None,
+) -> ConicProblem:
+    """Stages 1 to 5.
+
+    ``given`` are the values of the theorem's and the plant's scalars; ``dependence`` the degree or
+    basis of each unknown (degree 1 where nothing is said); ``polya`` the Pólya degree, for all
+    parameters or by name; ``sizes`` the dimensions that no matrix of the plant determines.
+    """
+    return finish(prepare(theorem, plant, dependence, sizes), given, polya)
+
+
+def run(problem: ConicProblem, solver: ConeSolver | None = None) -> Result:
+    """Stages 6 and 8: solve and recover."""
+    start = perf_counter()
+    check_assumptions(problem.binding)
+    solution = solve(problem, solver)
+    design = recover(problem, solution.x)
+    return Result(problem, solution, design, reports(design) if solution.status.usable else {}, perf_counter() - start)
+
+
+def reports(design: Design) -> dict[str, float]:
+    """The reported scalars at the solution; a tiny negative square counts as zero."""
+    values = {}
+    for name, expression in design.binding.theorem.reports.items():
+        symbols = {s: sp.Float(design.scalars[s.name], 17) for s in expression.free_symbols}
+        values[name] = float(sp.re(expression.xreplace(symbols)))
+    return values

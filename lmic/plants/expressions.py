@@ -1,0 +1,275 @@
+"""Scalar expressions of plant files and signals: a small language that is parsed, never run as code.
+
+    numbers      12, 0.45 (exactly 9/20), 1e-3 (exactly 1/1000)
+    names        the given symbols, and pi; Euler's number is exp(1), so that ``e`` stays free
+    operators    + - * / and ** with an integer exponent, parentheses
+    functions    sin cos tan exp log sqrt sinh cosh tanh abs
+    cases        where(k >= 10, a, b) is a if the comparison (< <= > >=) holds, b otherwise
+
+The limits below keep every text cheap: to parse, and to multiply out afterwards.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+import unicodedata
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from lmic.errors import ExpressionError
+
+MAX_TEXT = 2000  # characters
+MAX_NODES = 500  # operators, names, numbers and calls
+MAX_DEPTH = 50  # operations inside one another
+MAX_CALLS = 4  # functions inside one another: sympy's time is exponential in this
+MAX_DEGREE = 50
+MAX_TERMS = 2000  # of the expression multiplied out
+MAX_DIGITS = 100  # characters of a literal
+MAX_EXPONENT = 200  # of a literal, in powers of ten
+MAX_BITS = 1024  # of a numerator or denominator, so that every number has a finite float
+
+FUNCTIONS: Mapping[str, Any] = {
+    "sin": sp.sin,
+    "cos": sp.cos,
+    "tan": sp.tan,
+    "exp": sp.exp,
+    "log": sp.log,
+    "sqrt": sp.sqrt,
+    "sinh": sp.sinh,
+    "cosh": sp.cosh,
+    "tanh": sp.tanh,
+    "abs": sp.Abs,
+}
+CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
+WHERE = "where"
+RESERVED = frozenset({*FUNCTIONS, *CONSTANTS, WHERE})
+
+_COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
+_LITERAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e(?P<exponent>[+-]?\d+))?", re.ASCII | re.IGNORECASE)
+_FOREIGN = re.compile(r"[^\w\s+\-*/().,<>=]")
+
+
+def parse(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
+    """The expression that ``text`` states in the given symbols, with exact numbers.
+
+    Raises ExpressionError, quoting the text and the offending part, if it is not one of the
+    expressions above, passes a limit, or holds a constant that is infinite, complex or undefined.
+    """
+    try:
+        text = " ".join(text.split())
+        tree = _syntax_tree(text)
+        # Python normalises the names of a syntax tree in this way.
+        known = {unicodedata.normalize("NFKC", name): symbol for name, symbol in symbols.items()}
+        reader = _Reader(text, {**CONSTANTS, **known})
+        expression = reader.read(tree)
+        reader.bound(expression, tree)
+    except RecursionError:
+        raise ExpressionError(f"{quoted(text)} nests its operations too deeply; write it flatter") from None
+    return expression
+
+
+def rational(text: str) -> Fraction:
+    """The exact value of a text such as ``"0.45"``, ``"-1/3"`` or ``"2*(1 + 1/3)"``; else ExpressionError."""
+    expression = parse(text, {})
+    if not expression.is_Rational:
+        raise ExpressionError(f"{quoted(text)} is not a rational number; give one such as 0.5 or 1/3")
+    return Fraction(int(expression.p), int(expression.q))
+
+
+def decimal(text: str) -> Fraction:
+    """The exact value of a literal: ``"-0.45"`` is -9/20, ``"1e-3"`` is 1/1000; else ExpressionError."""
+    literal = _LITERAL.fullmatch(text) if len(text) <= MAX_DIGITS else None
+    if literal is None or abs(int(literal["exponent"] or 0)) > MAX_EXPONENT:
+        raise ExpressionError(
+            f"{quoted(text)} is not a decimal number of at most {MAX_DIGITS} characters with an exponent within "
+            f"{MAX_EXPONENT}; give a finite one such as 0.5 or 1e-3"
+        )
+    return Fraction(text)
+
+
+def quoted(value: Any) -> str:
+    """A short form of what the user wrote, for messages."""
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:50]}...{text[-20:]}"
+
+
+def _syntax_tree(text: str) -> ast.expr:
+    """Python's own syntax tree of the text, of limited size."""
+    if len(text) > MAX_TEXT:
+        raise ExpressionError(f"{quoted(text)} has {len(text)} characters; use at most {MAX_TEXT}")
+    if foreign := _FOREIGN.search(text):
+        advice = "write ** for a power" if foreign[0] == "^" else "use numbers, names, + - * / **, (), and functions"
+        raise ExpressionError(f"{quoted(text)} has {foreign[0]!r} in it; {advice}")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, MemoryError) as error:
+        reason = error.msg if isinstance(error, SyntaxError) else "it cannot be parsed"
+        raise ExpressionError(f"{quoted(text)} is not an expression ({reason}); correct its syntax") from None
+    for size, limit, what in (
+        (sum(1 for node in ast.walk(tree) if isinstance(node, ast.expr)), MAX_NODES, "parts"),
+        (_height(tree, lambda node: isinstance(node, ast.expr)), MAX_DEPTH, "operations inside one another"),
+        (_height(tree, _is_function_call), MAX_CALLS, "functions inside one another"),
+    ):
+        if size > limit:
+            raise ExpressionError(f"{quoted(text)} has {size} {what}; use at most {limit}")
+    return tree
+
+
+def _height(node: ast.AST, counts: Callable[[ast.AST], bool]) -> int:
+    """The most nodes that count on any path down from this one."""
+    return counts(node) + max((_height(child, counts) for child in ast.iter_child_nodes(node)), default=0)
+
+
+def _is_function_call(node: ast.AST) -> bool:
+    return isinstance(node, ast.Call) and not (isinstance(node.func, ast.Name) and node.func.id == WHERE)
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Turns syntax into sympy, each node by its own rule; what has no rule is an error."""
+
+    text: str
+    known: Mapping[str, sp.Expr]
+
+    def read(self, node: ast.expr) -> sp.Expr:
+        match node:
+            case ast.Constant(value=value) if type(value) in (int, float):
+                # From the source, since the value is rounded.
+                return sp.Rational(decimal(self._source(node)))
+            case ast.Name(id=name) if name in self.known:
+                return self.known[name]
+            case ast.Name(id=name):
+                raise self._error(node, f"is unknown here; use one of {quoted(', '.join(sorted(self.known)))}")
+            case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+                return self.read(operand)
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                return -self.read(operand)
+            case ast.BinOp(left=left, op=ast.Add(), right=right):
+                return self.read(left) + self.read(right)
+            case ast.BinOp(left=left, op=ast.Sub(), right=right):
+                return self.read(left) - self.read(right)
+            case ast.BinOp(left=left, op=ast.Mult(), right=right):
+                return self.read(left) * self.read(right)
+            case ast.BinOp(left=left, op=ast.Div(), right=right):
+                return self.read(left) / self._divisor(right)
+            case ast.BinOp(left=left, op=ast.Pow(), right=right):
+                return self._power(left, right, node)
+            case ast.Call(func=ast.Name(id="where"), args=[condition, then, otherwise], keywords=[]):
+                return self._where(condition, then, otherwise)
+            case ast.Call(func=ast.Name(id="where")):
+                raise self._error(node, "needs a comparison and two values, as where(k >= 10, 1, 0)")
+            case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
+                return self._apply(FUNCTIONS[name], argument, node)
+            case ast.Call(func=ast.Name(id=name)) if name in FUNCTIONS:
+                raise self._error(node, f"does not have one argument; write {name}(...)")
+            case ast.Call(func=function):
+                raise self._error(function, f"is not a function here; use one of {', '.join(FUNCTIONS)}, {WHERE}")
+            case ast.Compare():
+                raise self._error(node, "is a comparison; write it as the condition of where(condition, a, b)")
+        raise self._error(node, "is not permitted; use numbers, names, + - * / **, parentheses and functions")
+
+    def bound(self, expression: sp.Expr, node: ast.expr) -> None:
+        """Refuse what would grow out of hand when multiplied out, and numbers without a finite float."""
+        terms, degree = _size(expression)
+        if terms > MAX_TERMS or degree > MAX_DEGREE:
+            raise self._error(node, f"is too large multiplied out; keep to {MAX_TERMS} terms and degree {MAX_DEGREE}")
+        numbers = expression.atoms(sp.Rational)
+        if any(max(abs(int(n.p)), int(n.q)).bit_length() > MAX_BITS for n in numbers):
+            raise self._error(node, f"has a numerator or denominator of more than {MAX_BITS} bits; use shorter numbers")
+        if expression.is_number and not _is_finite(expression):
+            raise self._error(node, "is not a finite real number; correct it")
+
+    def _expanded(self, node: ast.expr) -> sp.Expr:
+        """The operand multiplied out, which brings hidden constants such as (x + 1) - x - 1 to light."""
+        expression = self.read(node)
+        self.bound(expression, node)
+        return sp.expand(expression)
+
+    def _divisor(self, node: ast.expr) -> sp.Expr:
+        divisor = self.read(node)
+        self._refuse_zero(divisor, node)
+        return divisor
+
+    def _refuse_zero(self, divisor: sp.Expr, node: ast.expr) -> None:
+        self.bound(divisor, node)
+        expanded = sp.expand(divisor)
+        # A number of which not one digit can be trusted, such as sin(1)**2 + cos(1)**2 - 1, is as bad as zero.
+        if expanded == 0 or (expanded.is_number and not expanded.is_comparable):
+            raise self._error(node, "is zero and divides; correct the divisor")
+
+    def _power(self, base_node: ast.expr, exponent_node: ast.expr, node: ast.expr) -> sp.Expr:
+        base, exponent = self.read(base_node), self.read(exponent_node)
+        if not exponent.is_Integer or abs(exponent) > MAX_DEGREE:
+            raise self._error(exponent_node, f"is not an integer of size at most {MAX_DEGREE}, as an exponent must be")
+        if exponent < 0:
+            self._refuse_zero(base, base_node)
+        power = base**exponent
+        self.bound(power, node)
+        return power
+
+    def _apply(self, function: Any, argument_node: ast.expr, node: ast.expr) -> sp.Expr:
+        argument = self._expanded(argument_node)
+        if function is sp.exp and _hidden_power(argument) > MAX_DEGREE:
+            raise self._error(node, f"is a power higher than {MAX_DEGREE}; lower the factor of the logarithm")
+        value = function(argument)
+        if value.is_number and not _is_finite(value):
+            raise self._error(node, "is not a finite real number; correct the argument")
+        return value
+
+    def _where(self, condition: ast.expr, then: ast.expr, otherwise: ast.expr) -> sp.Expr:
+        match condition:
+            case ast.Compare(left=left, ops=[comparison], comparators=[right]) if type(comparison) in _COMPARISONS:
+                holds = _COMPARISONS[type(comparison)](self._expanded(left), self._expanded(right))
+            case _:
+                raise self._error(condition, "is not one comparison by < <= > or >=; write one such as k >= 10")
+        if holds not in (sp.true, sp.false) and not holds.free_symbols:
+            raise self._error(condition, "compares two constants too close to tell apart; replace it by its outcome")
+        return sp.Piecewise((self._expanded(then), holds), (self._expanded(otherwise), True))
+
+    def _error(self, node: ast.expr, cause: str) -> ExpressionError:
+        part = self._source(node)
+        place = "" if part == self.text else f"in {quoted(self.text)}, "
+        return ExpressionError(f"{place}{quoted(part)} {cause}")
+
+    def _source(self, node: ast.expr) -> str:
+        return ast.get_source_segment(self.text, node) or self.text
+
+
+def _is_finite(number: sp.Expr) -> bool:
+    """Whether a constant is a real number of a float's range."""
+    value = complex(number)
+    return math.isfinite(value.real) and value.imag == 0
+
+
+def _hidden_power(argument: sp.Expr) -> sp.Expr:
+    """The largest |c| for which exp(argument) has a factor x**c, from a term c*log(x)."""
+    return max(abs(term.as_coeff_Mul()[0]) if term.has(sp.log) else 0 for term in sp.Add.make_args(argument))
+
+
+def _size(expression: sp.Expr) -> tuple[int, int]:
+    """Bounds on the number of terms and on the degree once multiplied out; a function is one factor."""
+    match expression:
+        case sp.Add(args=parts) | sp.Mul(args=parts):
+            terms, degrees = zip(*map(_size, parts), strict=True)
+            return (sum(terms), max(degrees)) if expression.is_Add else (math.prod(terms), sum(degrees))
+        case sp.Pow(base=base, exp=exponent) if exponent.is_Rational:
+            count, degree = _size(base)
+            times = math.ceil(abs(exponent))
+            return math.comb(count + times - 1, times), degree * times
+        case _:
+            return 1, int(bool(expression.free_symbols))

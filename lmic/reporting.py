@@ -1,0 +1,259 @@
+"""What the command line prints of theorems, results and reproductions, as tables and as records."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lmic.assemble import ConicProblem
+from lmic.language.theorem import Theorem
+from lmic.papers.cases import CaseTable
+from lmic.papers.reproduce import Outcome, Simulated
+from lmic.pipeline import Result
+from lmic.relax.family import LMIFamily
+from lmic.terminal import console, table
+
+# A theorem and its compiled size ------------------------------------------------------------------
+
+
+def family_record(family: LMIFamily) -> dict[str, Any]:
+    """What became of one LMI."""
+    return {
+        "lmi": family.lmi.place.lmi,
+        "order": family.lmi.order,
+        "relaxation": list(family.methods) or ["constant"],
+        "count": len(family),
+        "soundness": family.soundness.value,
+    }
+
+
+def description(theorem: Theorem, problem: ConicProblem) -> dict[str, Any]:
+    """A theorem's names and its compiled size as plain data."""
+    layout = problem.layout.unknowns
+    return {
+        "name": theorem.name,
+        "title": theorem.title,
+        "source": str(theorem.source),
+        "description": theorem.description,
+        "data": {name: _size(leaf.shape) for name, leaf in theorem.data.items()},
+        "given": [symbol.name for symbol in theorem.givens],
+        "parameters": {name: [str(p) for p in found] for name, found in theorem.parameters.items()},
+        "unknowns": {
+            name: {
+                "size": _size(theorem.unknowns[name].shape) if name in theorem.unknowns else "scalar",
+                "basis": [str(function) for function in unknown.functions],
+                "scalars": unknown.size,
+            }
+            for name, unknown in layout.items()
+        },
+        "minimise": None if theorem.minimise is None else str(theorem.minimise),
+        "reports": {name: str(expression) for name, expression in theorem.reports.items()},
+        "compiled": {
+            "plant": problem.binding.plant.name,
+            "dimensions": {symbol.name: value for symbol, value in problem.binding.sizes.items()},
+            "scalar_unknowns": problem.size,
+            "lmis": [family_record(family) for family in problem.families],
+            "soundness": problem.soundness.value,
+        },
+    }
+
+
+def print_description(theorem: Theorem, problem: ConicProblem) -> None:
+    """A theorem for people."""
+    out = console()
+    record = description(theorem, problem)
+    out.print(f"[bold]{theorem.name}[/bold]  {theorem.title}")
+    out.print(str(theorem.source), style="dim")
+    out.print(f"\n{theorem.description}\n", markup=False)
+    out.print(f"data      {', '.join(f'{name} ({size})' for name, size in record['data'].items())}")
+    if record["given"]:
+        out.print(f"given     {', '.join(record['given'])}")
+    out.print(f"minimise  {record['minimise'] or 'nothing (feasibility)'}")
+    for name, expression in record["reports"].items():
+        out.print(f"reports   {name} = {expression}")
+    for name, node in theorem.recover.items():
+        out.print(f"recovers  {name} = {node}", markup=False)
+    unknowns = table("unknown", "size", "basis", "scalars")
+    for name, unknown in record["unknowns"].items():
+        unknowns.add_row(name, unknown["size"], ", ".join(unknown["basis"]), str(unknown["scalars"]))
+    out.print(unknowns)
+    print_families(problem)
+
+
+def print_families(problem: ConicProblem) -> None:
+    """Which relaxation each LMI got, how many LMIs it made, and their soundness."""
+    out = console()
+    sizes = ", ".join(f"{symbol.name} = {value}" for symbol, value in problem.binding.sizes.items())
+    relaxed = table(
+        "LMI", "order", "relaxation", "LMIs", "soundness", title=f"compiled for {problem.binding.plant.name} ({sizes})"
+    )
+    for record in map(family_record, problem.families):
+        relaxed.add_row(
+            record["lmi"],
+            str(record["order"]),
+            " x ".join(record["relaxation"]),
+            str(record["count"]),
+            record["soundness"],
+        )
+    out.print(relaxed)
+    out.print(f"{problem.size} scalar unknowns, {len(problem.orders)} LMIs, soundness: {problem.soundness.value}")
+    independent = [str(p) for found in problem.binding.instances.values() for p in found if p.instance]
+    if independent:
+        out.print(f"{', '.join(independent)}: independent of the parameter now (no rate bound)")
+
+
+def _size(shape: Sequence[Any]) -> str:
+    return f"{shape[0]} x {shape[1]}"
+
+
+# A result -------------------------------------------------------------------------------------------
+
+
+def result_record(result: Result) -> dict[str, Any]:
+    """A result as plain data; matrices of the design as their coefficients over the basis."""
+    solution = result.solution
+    return {
+        "theorem": result.theorem.name,
+        "plant": result.problem.binding.plant.name,
+        "given": {symbol.name: value for symbol, value in result.problem.binding.values.items()},
+        "reports": dict(result.reports),
+        "status": solution.status.value,
+        "advice": solution.status.advice,
+        "solver": solution.solver,
+        "passes": [{"word": step.word, "iterations": step.iterations} for step in solution.passes],
+        "iterations": solution.iterations,
+        "objective": solution.value,
+        "dual_objective": solution.bound,
+        "violation": solution.violation,
+        "relative_violation": solution.relative_violation,
+        "worst_lmi": solution.worst,
+        "lineality": solution.lineality,
+        "warnings": list(solution.warnings),
+        "soundness": result.problem.soundness.value,
+        "lmis": [family_record(family) for family in result.problem.families],
+        "unknowns": _unknowns(result),
+        "design": _vertex_design(result),
+        "seconds": round(result.seconds, 3),
+    }
+
+
+def _unknowns(result: Result) -> dict[str, Any]:
+    if not result.solution.status.usable:
+        return {}
+    return {
+        name: {
+            str(f): matrix.tolist()
+            for f, matrix in zip(unknown.functions, unknown.matrices(result.solution.x), strict=True)
+        }
+        for name, unknown in result.problem.layout.unknowns.items()
+    }
+
+
+def _vertex_design(result: Result) -> dict[str, Any]:
+    """The recovered matrices at the domain's vertices."""
+    if not result.solution.status.usable or not result.theorem.recover:
+        return {}
+    points = vertex_grid(result)
+    matrices = result.design(**points)
+    count = max((len(values) for values in points.values()), default=1)
+    return {
+        "at": {name: values.tolist() for name, values in points.items()},
+        **{name: np.broadcast_to(m, (count, *m.shape[-2:])).tolist() for name, m in matrices.items()},
+    }
+
+
+def vertex_grid(result: Result) -> dict[str, Any]:
+    """All combinations of the domains' vertices, one array of points per parameter."""
+    domains = result.problem.binding.domains
+    combined = np.indices([len(domain.vertices) for domain in domains.values()]).reshape(len(domains), -1)
+    return {name: domain.vertices[index] for (name, domain), index in zip(domains.items(), combined, strict=True)}
+
+
+def print_result(result: Result) -> None:
+    """A result for people."""
+    out, solution = console(), result.solution
+    out.print(f"[bold]{result.theorem.name}[/bold]  {result.theorem.title}")
+    print_families(result.problem)
+    words = ", ".join(f"{step.word} ({step.iterations})" for step in solution.passes)
+    out.print(f"\nsolver      {solution.solver}: {words}; {solution.iterations} iterations in {result.seconds:.2f} s")
+    out.print(f"status      {solution.status.value}")
+    if not solution.status.usable:
+        out.print(f"            {solution.status.advice}")
+        return
+    out.print(
+        f"violation   {-solution.violation:.1e} (relative to diag S: {-solution.relative_violation:.1e}), at {solution.worst}"
+    )
+    out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
+    for name, value in result.reports.items():
+        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   numerical; relaxation {result.problem.soundness.value}")
+    for warning in solution.warnings:
+        out.print(f"[bold red]warning[/bold red]     {warning}")
+    if result.theorem.recover:
+        print_design(result)
+
+
+def print_design(result: Result) -> None:
+    """The recovered matrices at the vertices."""
+    points = vertex_grid(result)
+    matrices = result.design(**points)
+    count = max((len(values) for values in points.values()), default=1)
+    for k in range(count):
+        where = ", ".join(f"{name} = {np.array2string(values[k], precision=4)}" for name, values in points.items())
+        shown = table("matrix", "value", title=f"design at {where}" if where else "design")
+        for name, matrix in matrices.items():
+            shown.add_row(name, np.array2string(matrix[min(k, len(matrix) - 1)], precision=6, suppress_small=True))
+        console().print(shown)
+
+
+# Reproductions -----------------------------------------------------------------------------------------
+
+
+def reproduction_records(outcomes: Mapping[str, Outcome], simulated: Sequence[Simulated]) -> list[dict[str, Any]]:
+    """Records of `lmic reproduce --json`."""
+    gains = {case: t.gain for one in simulated for case, t in one.trajectories.items()}
+    return [outcome.record() | {"simulated_gain": gains.get(case)} for case, outcome in outcomes.items()]
+
+
+def print_reproduction(
+    cases: CaseTable, outcomes: Mapping[str, Outcome], simulated: Sequence[Simulated], figures: Sequence[Path]
+) -> None:
+    """A paper's tables beside ours."""
+    out = console()
+    gains = {case: t.gain for one in simulated for case, t in one.trajectories.items()}
+    by_table: dict[str, list[Outcome]] = {}
+    for outcome in outcomes.values():
+        by_table.setdefault(outcome.case.table, []).append(outcome)
+    for name, rows in by_table.items():
+        shown = table(
+            "case",
+            "paper",
+            "lmic",
+            "difference",
+            "verdict",
+            "violation",
+            "frozen H∞",
+            "simulated gain",
+            title=f"{cases.paper}, {name}",
+        )
+        for outcome in rows:
+            paper = float(outcome.case.paper)
+            gain, norm = gains.get(outcome.case.id), outcome.frozen_norm
+            shown.add_row(
+                outcome.case.what,
+                str(outcome.case.paper),
+                f"{outcome.value:.7g}",
+                f"{(outcome.value - paper) / paper:+.2%}",
+                outcome.verdict.value,
+                f"{-outcome.result.solution.relative_violation:.0e}",
+                "" if norm is None else f"{norm:.4g}",
+                "" if gain is None else f"{gain:.4g}",
+            )
+        out.print(shown)
+        for outcome in rows:
+            for warning in outcome.result.solution.warnings:
+                out.print(f"[bold red]warning[/bold red] {outcome.case.id}: {warning}")
+    for path in figures:
+        out.print(f"figure: {path}", soft_wrap=True)

@@ -1,0 +1,42 @@
+"""The terminal: console, tables and progress bars in one style."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich import box
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+
+def console() -> Console:
+    """The terminal; wide enough for the tables where the output is a file."""
+    plain = Console(highlight=False)
+    return plain if plain.is_terminal else Console(highlight=False, width=140)
+
+
+def table(*columns: str, title: str | None = None) -> Table:
+    """An empty table in the project's style."""
+    result = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", title_style="bold")
+    for column in columns:
+        result.add_column(column, overflow="fold")
+    return result
+
+
+@contextmanager
+def progress(total: int, title: str, quiet: bool = False) -> Iterator[Callable[[str], None]]:
+    """A progress bar on standard error; call the yielded function after each piece of work."""
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+        disable=quiet,
+    )
+    with bar:
+        task = bar.add_task(title, total=total)
+        yield lambda what: bar.update(task, advance=1, description=f"{title}: {what}")

@@ -1,0 +1,138 @@
+"""Faulty statements: each fault has its own error, which names theorem, LMI, block and expression."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from lmic.dsl import ND, PD, Data, He, I, Matrix, Scalar, Simplex, Source, Symmetric, Theorem, block, dims, inv, star
+from lmic.errors import (
+    AsymmetryError,
+    BasisError,
+    DefinitionError,
+    DomainError,
+    LmicError,
+    NotAffineError,
+    PlantError,
+    ShapeError,
+)
+from lmic.lower import lower
+from lmic.pipeline import compile
+from lmic.plants.plant import Plant
+from lmic.terms import term_lists
+
+n, m = dims("n m")
+alpha = Simplex("alpha")
+A, B = Data("A", n, n)(alpha), Data("B", n, m)(alpha)
+P, G = Symmetric("P", n), Matrix("G", n, n)(alpha)
+mu = Scalar("mu")
+SOURCE = Source("nobody", "nothing", "nowhere", 2026)
+
+
+def statement(rows: Any, **changes: Any) -> Theorem:
+    return Theorem(lmis={"dissipation": PD(rows)}, source=SOURCE, name="faulty", **changes)
+
+
+CASES: list[tuple[type[LmicError], Callable[[], Any], list[str]]] = [
+    (NotAffineError, lambda: [[He(P(alpha) * G)]], ["faulty / dissipation / block (1,1)", "P(alpha)*G(alpha)", "new unknown"]),
+    (NotAffineError, lambda: [[mu * P(alpha)]], ["block (1,1)", "mu", "P(alpha)"]),
+    (NotAffineError, lambda: [[mu**2 * I(n)]], ["block (1,1)", "mu**2", "not affine"]),
+    (NotAffineError, lambda: [[He(inv(G) * A)]], ["inv(G(alpha))", "Schur complement"]),
+    (AsymmetryError, lambda: [[G]], ["block (1,1)", "G(alpha) is not symmetric", "He("]),
+    (AsymmetryError, lambda: [[P(alpha), A], [A, P(alpha)]], ["block (1,2)", "not the transpose of block (2,1)", "star"]),
+    (AsymmetryError, lambda: [[P(alpha), 0], [A, P(alpha)]], ["block (1,2)", "not the transpose"]),
+    (ShapeError, lambda: [[P(alpha), B], [star, P(alpha)]], ["block (1,2)", "B(alpha)", "n x m"]),
+    (ShapeError, lambda: [[He(P(alpha) * B)]], ["block (1,1)", "square"]),
+    (ShapeError, lambda: [[P(alpha) + B]], ["block (1,1)", "do not add", "B(alpha)"]),
+    (ShapeError, lambda: [[B * A]], ["do not multiply", "B(alpha)", "A(alpha)"]),
+    (ShapeError, lambda: [[P(alpha), 0], [0, 0]], ["row 2", "zeros"]),
+    (DefinitionError, lambda: [[P(alpha), star], [star, P(alpha)]], ["block (1,2)", "both star"]),
+    (DefinitionError, lambda: [[star]], ["diagonal", "star"]),
+    (DefinitionError, lambda: [[P(alpha), 0]], ["row 1 has 2 blocks", "1 rows"]),
+    (DefinitionError, lambda: [["P"]], ["'P'", "block (1,1)"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("error", "rows", "words"), CASES, ids=lambda value: getattr(value, "__name__", None))
+def test_faulty_block(error: type[LmicError], rows: Callable[[], Any], words: list[str]) -> None:
+    with pytest.raises(error) as caught:
+        term_lists(lower(statement(rows())))
+    assert type(caught.value) is error
+    for word in words:
+        assert word in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_block_written_twice_as_its_own_transpose_is_accepted() -> None:
+    twice = statement([[P(alpha), A.T * P(alpha)], [P(alpha) * A, P(alpha)]])
+    assert set(lower(twice)["dissipation"].blocks) == {(0, 0), (0, 1), (1, 1)}
+
+
+def test_used_as_a_matrix() -> None:
+    with pytest.raises(DefinitionError, match=r"I\(n\)"):
+        _ = A + 1
+    with pytest.raises(DefinitionError, match="different lengths"):
+        block([[A, A], [A]])
+    with pytest.raises(DefinitionError, match="no LMI"):
+        Theorem(lmis={}, source=SOURCE)
+
+
+def test_one_name_for_two_matrices() -> None:
+    other = Matrix("G", n, m)(alpha)
+    with pytest.raises(DefinitionError, match="declared twice"):
+        _ = statement([[He(G)], [He(other * other.T)]]).unknowns
+
+
+# Plants that do not fit -----------------------------------------------------------------------------
+
+STABILITY = Theorem(
+    lmis={"decrease": ND([[-P(alpha), star], [P(alpha.next) * A, -P(alpha.next)]]), "P": PD(P(alpha))},
+    source=SOURCE,
+    name="stability",
+)
+
+
+def plant(**matrices: Any) -> Plant:
+    return Plant.polytopic(**matrices)
+
+
+def test_missing_and_unknown_matrices() -> None:
+    with pytest.raises(PlantError, match=r"A \(n x n\) is missing"):
+        compile(STABILITY, plant())
+    with pytest.raises(PlantError, match="gives the matrix Q, which the theorem does not use"):
+        compile(STABILITY, plant(A=[[0.5]], Q=[[1]]))
+
+
+def test_wrong_shape() -> None:
+    with pytest.raises(ShapeError, match=r"A of plant is 1 x 2, but n x n is needed, where n = 1 from A"):
+        compile(STABILITY, plant(A=[[0.5, 1]]))
+
+
+def test_wrong_domain() -> None:
+    with pytest.raises(DomainError, match="alpha has no domain"):
+        compile(STABILITY, Plant.polytopic("rho", A=[[0.5]]))
+
+
+def test_scalars_and_dependences_have_known_names() -> None:
+    with pytest.raises(PlantError, match="eps is no scalar"):
+        compile(STABILITY, plant(A=[[0.5]]), {"eps": 1})
+    with pytest.raises(BasisError, match="R is no unknown"):
+        compile(STABILITY, plant(A=[[0.5]]), dependence={"R": 1})
+    with pytest.raises(BasisError, match="linearly dependent"):
+        compile(STABILITY, plant(A=[[[0.5]], [[0.4]]]), dependence={"P": ["alpha1", "alpha2", "alpha1 + alpha2"]})
+    with pytest.raises(BasisError, match="negative"):
+        compile(STABILITY, plant(A=[[0.5]]), dependence={"P": -1})
+
+
+def test_not_a_number() -> None:
+    with pytest.raises(PlantError, match="not a finite number"):
+        plant(A=[[float("nan")]])
+    with pytest.raises(PlantError, match="numbers of vertices differ"):
+        plant(A=[[[1]], [[2]]], B=[[[1]], [[2]], [[3]]])
+
+
+def test_one_vertex_is_a_time_invariant_system() -> None:
+    problem = compile(STABILITY, plant(A=[[[0.5]]]))
+    assert len(problem.orders) == 2

@@ -1,0 +1,127 @@
+"""Solving: values against optima enclosed by exact proofs, lineality, scaling, warnings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sps
+
+from lmic import library
+from lmic.pipeline import compile, finish, prepare, run
+from lmic.plants.plant import Plant
+from lmic.solve.clarabel import Clarabel
+from lmic.solve.cone import ConeAnswer, ConeData, Status
+from lmic.solve.lineality import lineality
+from lmic.solve.solve import solve
+
+# γ of Example 1, computed independently of lmic: a dense prototype of Theorem 1 solved by SDPA in
+# 200-bit arithmetic, the optimum enclosed from both sides by exact rational proofs.
+REFERENCE = {
+    ("peixoto2025.theorem1", 1): 12.56046971834415863,
+    ("peixoto2025.theorem1", 10): 1.719904163691479878,
+    ("peixoto2025.theorem1", 50): 1.215248599689679686,
+    ("peixoto2025.theorem1", 150): 1.213769249285198035,
+    ("peixoto2025.theorem1", 1000): 1.213638820286880660,
+    ("peixoto2025.corollary1", 1): 14.91287332096275712,
+    ("peixoto2025.corollary1", 10): 8.318716925531442742,
+    ("peixoto2025.corollary1", 50): 8.183950239239421206,
+    ("peixoto2025.corollary1", 150): 8.171543751332294879,
+    ("peixoto2025.corollary1", 1000): 8.167089700085760642,
+}
+
+
+@pytest.mark.parametrize(("name", "eps"), list(REFERENCE))
+def test_example_1_to_eight_digits(name: str, eps: int, example_1: Plant) -> None:
+    result = run(compile(library.theorem(name), example_1, {"eps": eps}))
+    assert result.solution.trusted
+    assert result.reports["gamma"] == pytest.approx(REFERENCE[name, eps], rel=1e-8)
+    assert result.solution.relative_violation > -1e-12
+
+
+def test_one_binding_serves_every_scalar(example_1: Plant) -> None:
+    """A sweep binds once; the values are those of compiling anew."""
+    binding = prepare(library.theorem("peixoto2025.theorem1"), example_1)
+    for eps in (10, 150):
+        swept = finish(binding, {"eps": eps})
+        fresh = compile(library.theorem("peixoto2025.theorem1"), example_1, {"eps": eps})
+        assert abs(swept.columns - fresh.columns).max() < 1e-13
+
+
+def test_lineality_is_found_and_put_back_as_zeros(example_1: Plant) -> None:
+    for name, rank in (("peixoto2025.theorem1", 96), ("peixoto2025.corollary1", 80)):
+        problem = compile(library.theorem(name), example_1, {"eps": 150})
+        kept = lineality(problem.matrix).kept
+        assert (problem.size, len(kept)) == (rank + 1, rank)
+        solution = solve(problem)
+        left_out = np.setdiff1d(np.arange(problem.size), kept)
+        assert solution.lineality == 1
+        assert (solution.x[left_out] == 0).all()
+
+
+def test_rank_of_a_tall_matrix_is_found_by_the_sketch() -> None:
+    generator = np.random.default_rng(0)
+    tall = generator.standard_normal((5000, 12)) @ generator.standard_normal((12, 20))
+    found = lineality(sps.csc_array(tall))
+    assert len(found.kept) == 12
+    assert np.allclose(tall[:, found.kept] @ found.combinations, tall[:, found.left_out])
+
+
+def test_values_do_not_depend_on_the_units_of_the_state(example_1: Plant) -> None:
+    """Scaling the state by 10^±6 changes nothing that matters; a solver alone would not survive it."""
+    scale = np.array([1e3, 1e-3])
+    scaled = {}
+    from conftest import EXAMPLE_1
+
+    for key, value in EXAMPLE_1.items():
+        array = np.array(value, dtype=float)
+        if key in ("A", "B_w"):
+            array = scale[:, None] * array
+        if key in ("A", "C_y", "C_z"):
+            array = array / scale
+        scaled[key] = array.tolist()
+    result = run(compile(library.theorem("peixoto2025.theorem1"), Plant.polytopic(**scaled), {"eps": 150}))
+    # ε weighs the first block against the second, so the value is not invariant; the answer must be sound
+    assert result.solution.relative_violation > -1e-9
+
+
+class WithoutEffort:
+    """A solver that stops at once with a point outside the cones, calling it solved."""
+
+    name = "lazy"
+
+    def __call__(self, data: ConeData, rough: bool = False) -> ConeAnswer:
+        answer = Clarabel(max_iter=3)(data)
+        return ConeAnswer(Status.SOLVED, answer.y, answer.s, answer.z, 3, "Solved")
+
+
+def test_a_wrong_number_is_called_so_whatever_the_solver_says(example_1: Plant) -> None:
+    problem = compile(library.theorem("peixoto2025.corollary1"), example_1, {"eps": 150})
+    solution = solve(problem, WithoutEffort(), passes=1)
+    assert solution.status is Status.ALMOST
+    assert not solution.trusted
+    assert any("no bound" in warning or "differ" in warning for warning in solution.warnings)
+
+
+def test_infeasible_is_an_answer(example_1: Plant) -> None:
+    """The bounded gain cannot be negative: −δ − 1 ⪰ 0 beside the theorem leaves nothing."""
+    import dataclasses
+
+    from lmic.dsl import PD, I, Scalar
+
+    theorem = library.theorem("peixoto2025.theorem1")
+    impossible = dataclasses.replace(theorem, lmis={**theorem.lmis, "impossible": PD([[-Scalar("delta") * I(1) - I(1)]])})
+    result = run(compile(impossible, example_1, {"eps": 150}))
+    assert result.solution.status is Status.INFEASIBLE
+    assert result.reports == {}
+
+
+def test_unbounded_is_an_answer(example_1: Plant) -> None:
+    import dataclasses
+
+    from lmic.dsl import Scalar
+
+    theorem = library.theorem("peixoto2025.theorem1")
+    upside_down = dataclasses.replace(theorem, minimise=-Scalar("delta"))
+    assert solve(compile(upside_down, example_1, {"eps": 150})).status is Status.UNBOUNDED
+    unseen = dataclasses.replace(theorem, minimise=Scalar("nowhere"))
+    assert solve(compile(unseen, example_1, {"eps": 150})).status is Status.UNBOUNDED
