@@ -93,7 +93,7 @@ class ConicProblem:
         """Name of the LMI number ``index``: performance, alpha: alpha1^2, alpha+: vertex 2."""
         for family in self.families:
             if index < len(family):
-                return ", ".join([family.lmi.place.lmi, *family.labels[index]])
+                return ", ".join([family.lmi.place.lmi, *family.label(index)])
             index -= len(family)
         raise IndexError(index)
 

@@ -4,34 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from lmic import __version__
 from lmic.errors import LmicError
+from lmic.options import JSON, Choices, compiling
 
-if TYPE_CHECKING:
-    from lmic.assemble import ConicProblem
-    from lmic.language.theorem import Theorem
-
-JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 PLANT = click.option(
     "--plant", type=click.Path(path_type=Path), required=True, help="Plant file: .toml, .json, .mat or .npz."
-)
-SET = click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Value of a scalar, as eps=150.")
-POLYA = click.option(
-    "--polya", multiple=True, metavar="[NAME=]DEGREE", help="Pólya degree, for all parameters or for one."
-)
-DEPENDENCE = click.option(
-    "--dependence",
-    multiple=True,
-    metavar="UNKNOWN=CHOICE",
-    help="A degree, 'constant', or functions '1; rho1; sin(rho1)'.",
-)
-SIZE = click.option(
-    "--size", "sizes", multiple=True, metavar="NAME=N", help="A dimension that no matrix of the plant fixes."
 )
 
 
@@ -85,36 +69,25 @@ def list_theorems(as_json: bool) -> None:
 @click.argument("name")
 @click.option("--plant", type=click.Path(path_type=Path), help="Compile for this plant.")
 @click.option("--vertices", default=2, show_default=True, help="Without a plant: vertices of each domain.")
-@SET
-@POLYA
-@DEPENDENCE
-@SIZE
+@compiling
 @JSON
-def show(
-    name: str,
-    plant: Path | None,
-    vertices: int,
-    settings: Sequence[str],
-    polya: Sequence[str],
-    dependence: Sequence[str],
-    sizes: Sequence[str],
-    as_json: bool,
-) -> None:
+def show(name: str, plant: Path | None, vertices: int, as_json: bool, **choices: Any) -> None:
     """Show a theorem: statement, data, unknowns, and its size once compiled."""
     from lmic import library, reporting
-    from lmic.pipeline import compile
     from lmic.plants.files import read_plant
     from lmic.plants.random import random_plant
 
-    theorem = library.theorem(name)
-    chosen = {key: int(value) for key, value in pairs(sizes, "--size").items()}
-    data = read_plant(plant) if plant else random_plant(theorem, chosen, vertices)
-    given = pairs(settings, "--set") if plant else {s.name: 1 for s in theorem.givens} | pairs(settings, "--set")
-    problem = compile(theorem, data, given, dependences(dependence), degrees(polya), chosen)
+    theorem, chosen = library.theorem(name), Choices(**choices)
+    if not plant:
+        given = [f"{symbol.name}=1" for symbol in theorem.givens]
+        chosen = replace(chosen, given=(*given, *chosen.given))
+    problem = chosen.compile(
+        theorem, read_plant(plant) if plant else random_plant(theorem, chosen.dimensions(), vertices)
+    )
     if as_json:
-        return echo_json(reporting.description(theorem, problem))
-    reporting.print_description(theorem, problem)
-    return None
+        echo_json(reporting.description(theorem, problem))
+    else:
+        reporting.print_description(theorem, problem)
 
 
 @main.command()
@@ -142,25 +115,14 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
 @main.command()
 @click.argument("name")
 @PLANT
-@SET
-@POLYA
-@DEPENDENCE
-@SIZE
+@compiling
 @JSON
-def solve(
-    name: str,
-    plant: Path,
-    settings: Sequence[str],
-    polya: Sequence[str],
-    dependence: Sequence[str],
-    sizes: Sequence[str],
-    as_json: bool,
-) -> None:
+def solve(name: str, plant: Path, as_json: bool, **choices: Any) -> None:
     """Solve a theorem (by name or path) for a plant and print what it reports and recovers."""
     from lmic import reporting
     from lmic.pipeline import run
 
-    result = run(_problem(name, plant, settings, polya, dependence, sizes))
+    result = run(Choices(**choices).compile_files(name, plant))
     if as_json:
         echo_json(reporting.result_record(result))
     else:
@@ -172,28 +134,16 @@ def solve(
 @main.command()
 @click.argument("name")
 @PLANT
-@SET
-@POLYA
-@DEPENDENCE
-@SIZE
+@compiling
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="File to write, ending in .dat-s.")
 @JSON
-def export(
-    name: str,
-    plant: Path,
-    settings: Sequence[str],
-    polya: Sequence[str],
-    dependence: Sequence[str],
-    sizes: Sequence[str],
-    output: Path,
-    as_json: bool,
-) -> None:
+def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) -> None:
     """Write the compiled problem in SDPA sparse format."""
     from lmic.export import write_sdpa
 
-    if output.suffixes[-1:] != [".dat-s"]:
+    if output.suffix != ".dat-s":
         raise LmicError(f"the format of {output} is unknown; end the name in .dat-s")
-    problem = _problem(name, plant, settings, polya, dependence, sizes)
+    problem = Choices(**choices).compile_files(name, plant)
     write_sdpa(problem, output)
     summary = {"file": str(output), "unknowns": problem.size, "lmis": len(problem.orders)}
     if as_json:
@@ -239,78 +189,6 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
         echo_json(records)
     if not trusted:
         sys.exit(1)
-
-
-def _problem(
-    name: str,
-    plant: Path,
-    settings: Sequence[str],
-    polya: Sequence[str],
-    dependence: Sequence[str],
-    sizes: Sequence[str],
-) -> ConicProblem:
-    from lmic import library
-    from lmic.pipeline import compile
-    from lmic.plants.files import read_plant
-
-    theorem: Theorem = library.theorem(name)
-    chosen = {key: int(value) for key, value in pairs(sizes, "--size").items()}
-    return compile(
-        theorem, read_plant(plant), pairs(settings, "--set"), dependences(dependence), degrees(polya), chosen
-    )
-
-
-# Reading options ---------------------------------------------------------------------------------
-
-
-def pairs(texts: Sequence[str], option: str) -> dict[str, Any]:
-    """``["eps=150", "rho=1/3"]`` as a dictionary of exact numbers."""
-    from lmic.plants.plant import exact_number
-
-    found: dict[str, Any] = {}
-    for text in texts:
-        name, separator, value = text.partition("=")
-        if not separator or not name.strip():
-            raise LmicError(f"{option} {text} has no '='; write {option} NAME=VALUE")
-        found[name.strip()] = exact_number(value.strip())
-    return found
-
-
-def degrees(texts: Sequence[str]) -> dict[str, int] | int:
-    """``["1"]`` for all parameters, or ``["alpha=1", "alpha+=0"]``."""
-    if len(texts) == 1 and "=" not in texts[0]:
-        return _degree(texts[0])
-    found = {}
-    for text in texts:
-        name, separator, value = text.rpartition("=")
-        if not separator:
-            raise LmicError(f"--polya {text} is given beside others; write --polya NAME=DEGREE for each")
-        found[name] = _degree(value)
-    return found or 0
-
-
-def _degree(text: str) -> int:
-    if not text.strip().isdecimal():
-        raise LmicError(f"the Pólya degree '{text}' is not a whole number from 0; write --polya 1")
-    return int(text)
-
-
-def dependences(texts: Sequence[str]) -> dict[str, Any]:
-    """``["P1=2", "H=constant", "P=1; rho1; rho1**2"]``."""
-    found: dict[str, Any] = {}
-    for text in texts:
-        name, separator, value = text.partition("=")
-        if not separator:
-            raise LmicError(f"--dependence {text} has no '='; write --dependence P=2 or --dependence 'P=1; rho1'")
-        value = value.strip()
-        if value.isdecimal():
-            found[name] = int(value)
-        else:
-            found[name] = value if value == "constant" else [part.strip() for part in value.split(";")]
-    return found
-
-
-# Printing -------------------------------------------------------------------------------------------
 
 
 def echo_json(data: Any) -> None:

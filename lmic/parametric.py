@@ -46,3 +46,13 @@ class ParametricLMI:
         weights = known.evaluate({symbol: np.array([value]) for symbol, value in values.items()})[0]
         gather = sps.csr_array((weights, (inverse, np.arange(len(weights)))), shape=(len(merged), len(weights)))
         return replace(self, monomials=merged, coefficients=(gather @ self.coefficients).tocsr())
+
+    def renamed(self, new: Mapping[sp.Symbol, sp.Symbol]) -> ParametricLMI:
+        """With symbols made equal to others; monomials that become equal are added up."""
+        if not new:
+            return self
+        monomials, inverse = self.monomials.renamed(new).merged()
+        gather = sps.csr_array(
+            (np.ones(len(inverse)), (inverse, np.arange(len(inverse)))), shape=(len(monomials), len(inverse))
+        )
+        return replace(self, monomials=monomials, coefficients=(gather @ self.coefficients).tocsr())

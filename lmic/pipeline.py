@@ -30,7 +30,7 @@ from lmic.language.theorem import Theorem
 from lmic.lower import lower
 from lmic.plants.plant import Plant
 from lmic.recover import Design, recover
-from lmic.relax.relax import relax
+from lmic.relax.relax import Relaxation, relax
 from lmic.solve.cone import ConeSolver
 from lmic.solve.solve import Solution, solve
 from lmic.terms import term_lists
@@ -63,11 +63,11 @@ def prepare(
 
 
 def finish(
-    binding: Binding, given: Mapping[str, Any] | None = None, polya: Mapping[str, int] | int = 0
+    binding: Binding, given: Mapping[str, Any] | None = None, relaxation: Relaxation | None = None
 ) -> ConicProblem:
     """Stages 3 to 5: the given scalars set, relaxed, assembled."""
     fixed = binding.fixed(given or {})
-    return assemble(fixed, relax(fixed, polya))
+    return assemble(fixed, relax(fixed, relaxation))
 
 
 def compile(
@@ -75,16 +75,16 @@ def compile(
     plant: Plant,
     given: Mapping[str, Any] | None = None,
     dependence: Mapping[str, Choice] | None = None,
-    polya: Mapping[str, int] | int = 0,
+    relaxation: Relaxation | None = None,
     sizes: Mapping[str, int] | None = None,
 ) -> ConicProblem:
     """Stages 1 to 5.
 
     ``given`` are the values of the theorem's and the plant's scalars; ``dependence`` the degree or
-    basis of each unknown (degree 1 where nothing is said); ``polya`` the Pólya degree, for all
-    parameters or by name; ``sizes`` the dimensions that no matrix of the plant determines.
+    basis of each unknown (degree 1 where nothing is said); ``relaxation`` how the parameters
+    are made finite; ``sizes`` the dimensions that no matrix of the plant determines.
     """
-    return finish(prepare(theorem, plant, dependence, sizes), given, polya)
+    return finish(prepare(theorem, plant, dependence, sizes), given, relaxation)
 
 
 def run(problem: ConicProblem, solver: ConeSolver | None = None) -> Result:

@@ -24,7 +24,7 @@ from lmic.plants.plant import Plant
 from lmic.terms import term_lists
 
 n, m = dims("n m")
-alpha = Simplex("alpha")
+alpha = Simplex("alpha", step="free")
 A, B = Data("A", n, n)(alpha), Data("B", n, m)(alpha)
 P, G = Symmetric("P", n), Matrix("G", n, n)(alpha)
 mu = Scalar("mu")

@@ -109,7 +109,9 @@ def test_infeasible_is_an_answer(example_1: Plant) -> None:
     from lmic.dsl import PD, I, Scalar
 
     theorem = library.theorem("peixoto2025.theorem1")
-    impossible = dataclasses.replace(theorem, lmis={**theorem.lmis, "impossible": PD([[-Scalar("delta") * I(1) - I(1)]])})
+    impossible = dataclasses.replace(
+        theorem, lmis={**theorem.lmis, "impossible": PD([[-Scalar("delta") * I(1) - I(1)]])}
+    )
     result = run(compile(impossible, example_1, {"eps": 150}))
     assert result.solution.status is Status.INFEASIBLE
     assert result.reports == {}

@@ -12,21 +12,24 @@ from lmic.pipeline import finish, prepare
 from lmic.plants.random import random_plant
 from lmic.relax.family import LMIFamily
 from lmic.relax.polya import multinomial
-from lmic.relax.space import Axis, axes
+from lmic.relax.relax import Relaxation
+from lmic.relax.space import Axis, space
 
 
-def recombined(family: LMIFamily, space: list[Axis], values: dict[sp.Symbol, np.ndarray], x: np.ndarray) -> np.ndarray:
+def recombined(
+    family: LMIFamily, axes: tuple[Axis, ...], values: dict[sp.Symbol, np.ndarray], x: np.ndarray
+) -> np.ndarray:
     """The parametric matrix put together again from the family: Σ_k weight_k(θ) F_k(x)."""
     weights = np.ones(1)
     used = [
         axis
-        for axis in space
+        for axis in axes
         if set(axis.symbols) & {s for atom in family.lmi.monomials.atoms for s in atom.free_symbols}
     ]
-    for axis, labels in zip(used, zip(*family.labels, strict=True), strict=True):
+    for axis, relaxed in zip(used, family.axes, strict=True):
         point = np.array([float(values[s][0]) for s in axis.symbols])
         found = []
-        for label in dict.fromkeys(labels):
+        for label in relaxed.labels:
             text = label.split(": ")[1]
             if text.startswith("vertex"):
                 found.append(point[int(text.split()[1]) - 1])
@@ -47,15 +50,17 @@ def test_compiled_equals_symbolic(name: str, vertices: int, polya: int) -> None:
     generator = np.random.default_rng(7)
     theorem = library.theorem(name)
     sizes = {"nx": 3, "nw": 2, "ny": 2, "nz": 1}
-    problem = finish(prepare(theorem, random_plant(theorem, sizes, vertices, seed=vertices)), {"eps": "7/3"}, polya)
+    problem = finish(
+        prepare(theorem, random_plant(theorem, sizes, vertices, seed=vertices)), {"eps": "7/3"}, Relaxation(polya=polya)
+    )
     binding = problem.binding
-    space = axes(binding.instances, binding.domains)
+    axes = space(binding).axes
     x = generator.standard_normal(problem.size)
     for family in problem.families:
         values = random_point(binding, generator)
         expected = direct(theorem.lmis[family.lmi.place.lmi], binding, x, values)
         assert np.allclose(
-            recombined(family, space, values, x), expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max()
+            recombined(family, axes, values, x), expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max()
         )
 
 
@@ -64,14 +69,14 @@ def test_square_with_other_degrees_of_the_unknowns(degree: int) -> None:
     generator = np.random.default_rng(3)
     theorem = library.theorem("peixoto2025.theorem1")
     dependence = {"P1": 2, "H": degree, "X3": 3}
-    problem = finish(prepare(theorem, random_plant(theorem, None, 3), dependence), {"eps": 2}, 1)
-    space = axes(problem.binding.instances, problem.binding.domains)
+    problem = finish(prepare(theorem, random_plant(theorem, None, 3), dependence), {"eps": 2}, Relaxation(polya=1))
+    axes = space(problem.binding).axes
     x = generator.standard_normal(problem.size)
     for family in problem.families:
         values = random_point(problem.binding, generator)
         expected = direct(theorem.lmis[family.lmi.place.lmi], problem.binding, x, values)
         assert np.allclose(
-            recombined(family, space, values, x), expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max()
+            recombined(family, axes, values, x), expected, rtol=1e-11, atol=1e-11 * np.abs(expected).max()
         )
 
 
@@ -102,7 +107,7 @@ def test_polya_degree_zero_is_lemma_1(example_1) -> None:
         "alpha1 alpha2": phi[0, 1] + phi[1, 0],
         "alpha2^2": phi[1, 1],
     }
-    for (now, following), matrix in zip(family.labels, family.matrices(x), strict=True):
+    for (now, following), matrix in zip(map(family.label, range(6)), family.matrices(x), strict=True):
         vertex = int(following.split()[-1]) - 1
         assert np.allclose(matrix, expected[now.split(": ")[1]][vertex], rtol=1e-12, atol=1e-9)
 

@@ -384,17 +384,13 @@ class Block(Node):
             raise DefinitionError(
                 "the rows of a Block have different lengths; give every row the same number of blocks"
             )
-        entries = [[0 if is_zero(entry) else as_node(entry) for entry in row] for row in rows]
-        heights = [
-            _common_size([e for e in row if isinstance(e, Node)], 0, f"row {i + 1}") for i, row in enumerate(entries)
-        ]
-        widths = [
-            _common_size([row[j] for row in entries if isinstance(row[j], Node)], 1, f"column {j + 1}")
-            for j in range(len(entries[0]))
-        ]
+        entries = [[None if is_zero(entry) else as_node(entry) for entry in row] for row in rows]
+        columns = [[row[j] for row in entries] for j in range(len(rows[0]))]
+        heights = [_common_size(row, 0, f"row {i + 1}") for i, row in enumerate(entries)]
+        widths = [_common_size(column, 1, f"column {j + 1}") for j, column in enumerate(columns)]
         filled = [
-            [Zero(heights[i], widths[j]) if entry == 0 else entry for j, entry in enumerate(row)]
-            for i, row in enumerate(entries)
+            [entry or Zero(height, width) for entry, width in zip(row, widths, strict=True)]
+            for row, height in zip(entries, heights, strict=True)
         ]
         node: Block = sp.Basic.__new__(cls, *(sp.Tuple(*row) for row in filled))
         return node
@@ -431,12 +427,12 @@ def is_zero(entry: Any) -> bool:
     return isinstance(entry, (int, float, sp.Number)) and entry == 0
 
 
-def _common_size(nodes: Sequence[Node], axis: int, what: str) -> sp.Expr:
-    if not nodes:
-        raise DefinitionError(
-            f"{what} of a Block holds only literal zeros, so its size is unknown; use zeros(n, m) once"
-        )
-    return nodes[0].shape[axis]
+def _common_size(entries: Sequence[Node | None], axis: int, what: str) -> sp.Expr:
+    """Size of a block row or column, from its first matrix."""
+    for entry in entries:
+        if entry is not None:
+            return entry.shape[axis]
+    raise DefinitionError(f"{what} of a Block holds only literal zeros, so its size is unknown; use zeros(n, m) once")
 
 
 def _signed_sum(texts: Sequence[str]) -> str:

@@ -15,14 +15,16 @@ class Parameter:
     """A time-varying parameter on any domain; the plant says which.
 
     ``rho.next`` is the parameter one step later, ``rho.copy("b")`` its value at another place
-    (2-D systems). Instances range over the domain independently of one another unless a rate
-    bound or a tie, given when compiling, says otherwise.
+    (2-D systems). ``step="free"`` states that the next value is anywhere in the domain; without
+    it the plant says how far the parameter moves. Copies range over the domain independently of
+    one another unless they are tied when compiling.
     """
 
     name: str
     latex: str = ""
     latex_next: str = ""
     instance: str = ""
+    step: str = ""
 
     #: kind of domain the theorem is stated on; ``""`` accepts every kind
     required: ClassVar[str] = ""

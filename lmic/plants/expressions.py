@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import ast
 import math
-import operator
 import re
 import unicodedata
 import warnings
@@ -29,9 +28,9 @@ from lmic.errors import ExpressionError
 MAX_TEXT = 2000  # characters
 MAX_NODES = 500  # operators, names, numbers and calls
 MAX_DEPTH = 50  # operations inside one another
-MAX_CALLS = 4  # functions inside one another: sympy's time is exponential in this
-MAX_DEGREE = 50
-MAX_TERMS = 2000  # of the expression multiplied out
+MAX_CALLS = 3  # functions inside one another: sympy's time is exponential in this
+MAX_DEGREE, MAX_TERMS = 50, 1000  # of the expression multiplied out
+MAX_ARGUMENT_DEGREE, MAX_ARGUMENT_TERMS = 10, 20  # of a function's argument multiplied out
 MAX_DIGITS = 100  # characters of a literal
 MAX_EXPONENT = 200  # of a literal, in powers of ten
 MAX_BITS = 1024  # of a numerator or denominator, so that every number has a finite float
@@ -52,14 +51,45 @@ CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
 WHERE = "where"
 RESERVED = frozenset({*FUNCTIONS, *CONSTANTS, WHERE})
 
-_COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
+#: for each comparison, the order of (left, right) and of (then, otherwise) in Where
+_COMPARISONS: Mapping[type[ast.cmpop], tuple[int, int]] = {
+    ast.GtE: (1, 1),
+    ast.LtE: (-1, 1),
+    ast.Lt: (1, -1),
+    ast.Gt: (-1, -1),
 }
 _LITERAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e(?P<exponent>[+-]?\d+))?", re.ASCII | re.IGNORECASE)
 _FOREIGN = re.compile(r"[^\w\s+\-*/().,<>=]")
+
+
+class Where(sp.Function):
+    """``Where(a, b, x, y)`` is x where a >= b, and y elsewhere.
+
+    Unlike sympy's Piecewise it is not simplified, which can take sympy any amount of time.
+    """
+
+    nargs = 4
+
+    @classmethod
+    def eval(cls, left: sp.Expr, right: sp.Expr, then: sp.Expr, otherwise: sp.Expr) -> sp.Expr | None:
+        """The value where the comparison is between constants that differ or agree for certain; else None."""
+        difference = left - right
+        if difference.is_number and difference.is_comparable:
+            return then if difference >= 0 else otherwise
+        return None
+
+    def _sympystr(self, printer: Any) -> str:
+        left, right, then, otherwise = map(printer.doprint, self.args)
+        return f"{WHERE}({left} >= {right}, {then}, {otherwise})"
+
+    def _numpycode(self, printer: Any) -> str:
+        left, right, then, otherwise = map(printer.doprint, self.args)
+        return f"{printer._module_format('numpy.where')}({left} >= {right}, {then}, {otherwise})"
+
+    def _eval_rewrite_as_Piecewise(
+        self, left: sp.Expr, right: sp.Expr, then: sp.Expr, otherwise: sp.Expr, **_: Any
+    ) -> sp.Expr:
+        return sp.Piecewise((then, left >= right), (otherwise, True))
 
 
 def parse(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
@@ -183,7 +213,9 @@ class _Reader:
                 raise self._error(node, "is a comparison; write it as the condition of where(condition, a, b)")
         raise self._error(node, "is not permitted; use numbers, names, + - * / **, parentheses and functions")
 
-    def bound(self, expression: sp.Expr, node: ast.expr) -> None:
+    def bound(
+        self, expression: sp.Expr, node: ast.expr, max_terms: int = MAX_TERMS, max_degree: int = MAX_DEGREE
+    ) -> None:
         """Refuse what would grow out of hand when multiplied out, and numbers without a finite float."""
         terms, degree = _size(expression)
         if terms > MAX_TERMS or degree > MAX_DEGREE:
@@ -224,6 +256,7 @@ class _Reader:
 
     def _apply(self, function: Any, argument_node: ast.expr, node: ast.expr) -> sp.Expr:
         argument = self._expanded(argument_node)
+        self.bound(argument, argument_node, MAX_ARGUMENT_TERMS, MAX_ARGUMENT_DEGREE)
         if function is sp.exp and _hidden_power(argument) > MAX_DEGREE:
             raise self._error(node, f"is a power higher than {MAX_DEGREE}; lower the factor of the logarithm")
         value = function(argument)
@@ -234,12 +267,16 @@ class _Reader:
     def _where(self, condition: ast.expr, then: ast.expr, otherwise: ast.expr) -> sp.Expr:
         match condition:
             case ast.Compare(left=left, ops=[comparison], comparators=[right]) if type(comparison) in _COMPARISONS:
-                holds = _COMPARISONS[type(comparison)](self._expanded(left), self._expanded(right))
+                sides, values = _COMPARISONS[type(comparison)]
             case _:
                 raise self._error(condition, "is not one comparison by < <= > or >=; write one such as k >= 10")
-        if holds not in (sp.true, sp.false) and not holds.free_symbols:
+        chosen = Where(
+            *[self._expanded(node) for node in (left, right)[::sides]],
+            *[self._expanded(node) for node in (then, otherwise)[::values]],
+        )
+        if chosen.func is Where and (chosen.args[0] - chosen.args[1]).is_number:
             raise self._error(condition, "compares two constants too close to tell apart; replace it by its outcome")
-        return sp.Piecewise((self._expanded(then), holds), (self._expanded(otherwise), True))
+        return chosen
 
     def _error(self, node: ast.expr, cause: str) -> ExpressionError:
         part = self._source(node)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from lmic.domains import Domain, SimplexDomain
+from lmic.domains import Domain, Motion, SimplexDomain
 from lmic.errors import PlantError
 from lmic.polynomials import MatrixPolynomial, Monomials
 
@@ -20,11 +20,13 @@ class Plant:
     """Data of a system.
 
     ``matrices`` have exact coefficients; their atoms are components of the ``domains``, names of
-    ``scalars`` and functions of both. ``scalars`` hold the values used unless others are set.
+    ``scalars`` and functions of both. ``motions`` say how far a parameter moves in a step or per
+    unit of time, where a theorem asks. ``scalars`` hold the values used unless others are set.
     """
 
     matrices: Mapping[str, MatrixPolynomial]
     domains: Mapping[str, Domain] = field(default_factory=dict)
+    motions: Mapping[str, Motion] = field(default_factory=dict)
     scalars: Mapping[str, Fraction] = field(default_factory=dict)
     name: str = "plant"
     source: str = ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, TypeAlias
 
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from lmic import svec
 from lmic.parametric import ParametricLMI
-from lmic.polynomials import Monomials
 
 Array: TypeAlias = NDArray[Any]
 
@@ -27,6 +26,7 @@ class Soundness(StrEnum):
 
     @staticmethod
     def weakest(several: Sequence[Soundness]) -> Soundness:
+        """The soundness of a conclusion that rests on several."""
         order = list(Soundness)
         return max(several, key=order.index, default=Soundness.EXACT)
 
@@ -35,7 +35,7 @@ class Soundness(StrEnum):
 class AxisRelaxation:
     """One axis made finite: LMI k takes monomial m with weight ``weights[k, m]``.
 
-    ``monomials`` are the axis's parts of the LMI's monomials; ``labels`` name the K choices.
+    ``labels`` name the K choices.
     """
 
     method: str
@@ -48,17 +48,38 @@ class AxisRelaxation:
 class LMIFamily:
     """K LMIs F_k(x) = Σ_m weights[k, m] F_m(x) ≻ 0 of one pattern.
 
-    ``weights`` has shape (K, M); ``labels`` has one tuple of axis labels for each LMI.
+    ``weights`` has shape (K, M). The LMIs are combinations of the choices on each axis, the last
+    axis running fastest; ``members`` are their numbers among all combinations.
     """
 
     lmi: ParametricLMI
     weights: Array
-    labels: tuple[tuple[str, ...], ...]
-    methods: tuple[str, ...]
-    soundness: Soundness
+    axes: tuple[AxisRelaxation, ...]
+    members: Array = field(repr=False)
 
     def __len__(self) -> int:
         return len(self.weights)
+
+    @property
+    def soundness(self) -> Soundness:
+        """The weakest of the axes'."""
+        return Soundness.weakest([axis.soundness for axis in self.axes])
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The relaxation of each axis."""
+        return tuple(axis.method for axis in self.axes)
+
+    def label(self, k: int) -> tuple[str, ...]:
+        """Vertex, monomial or grid point of LMI k on each axis."""
+        if not self.axes:
+            return ()
+        choice = np.unravel_index(int(self.members[k]), [len(axis.labels) for axis in self.axes])
+        return tuple(axis.labels[int(c)] for axis, c in zip(self.axes, choice, strict=True))
+
+    def subset(self, chosen: Array) -> LMIFamily:
+        """Only the LMIs numbered ``chosen``."""
+        return replace(self, weights=self.weights[chosen], members=self.members[chosen])
 
     @property
     def values(self) -> Array:
@@ -77,8 +98,3 @@ class LMIFamily:
     def matrices(self, x: Array) -> Array:
         """The K matrices F_k(x), shape (K, order, order)."""
         return svec.unpack(self.packed(x), self.lmi.order)
-
-
-def axis_part(monomials: Monomials, symbols: set[Any]) -> Monomials:
-    """The part of each monomial that lives on an axis."""
-    return monomials.split(symbols)[0]

@@ -1,41 +1,58 @@
-"""Pólya: coefficients of the polynomial made homogeneous on a simplex, times (Σα)^d.
+"""Pólya: coefficients of the polynomial made homogeneous on a simplex, times (Σλ)^d.
 
-If every coefficient of a homogeneous polynomial is positive definite, the polynomial is on the
-whole simplex; multiplying by (Σα)^d = 1 first makes the condition weaker, in the limit exact
-(Pólya 1928; Hardy, Littlewood, Pólya, *Inequalities*, 2.24). Degree 0 on two simplexes is
-Lemma 1 of Peixoto et al. (2025).
+A point of a polytope is p = Σ_v λ_v V_v with λ in the unit simplex; on a simplex λ = α, on an
+interval λ are its two barycentric coordinates (the Bernstein form). If every coefficient of a
+homogeneous polynomial in λ is positive definite, the polynomial is on the whole polytope.
+Multiplying by (Σλ)^d = 1 first makes the condition weaker, in the limit exact (Pólya 1928; Hardy,
+Littlewood, Pólya, *Inequalities*, 2.24). Degree 0 on two simplexes is Lemma 1 of Peixoto et al.
+(2025).
 """
 
 from __future__ import annotations
 
 from itertools import combinations_with_replacement
 from math import factorial, prod
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lmic.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.space import Axis
 
+Array: TypeAlias = NDArray[Any]
+
 
 def polya(axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
-    """Coefficients of total degree deg + ``degree`` in the simplex's components."""
+    """Coefficients of total degree deg + ``degree`` in the barycentric coordinates."""
     exponents = part.over(axis.symbols)
+    corners = axis.domain.vertices
     target = int(exponents.sum(axis=1).max()) + degree
-    targets = homogeneous_exponents(len(axis.symbols), target)
-    # α^e (Σα)^(D-|e|) = Σ_f (D-|e|)! / Π(f-e)! α^f
-    rest = targets[:, None, :] - exponents[None, :, :]
-    factorials = np.array([factorial(k) for k in range(target + 1)], dtype=float)
-    weights = np.where(
-        (rest >= 0).all(axis=2),
-        factorials[target - exponents.sum(axis=1)][None, :] / factorials[np.maximum(rest, 0)].prod(axis=2),
-        0.0,
+    targets = homogeneous_exponents(len(corners), target)
+    weights = np.stack([_form(corners, powers, target, targets) for powers in exponents], axis=1)
+    names = (
+        [str(s) for s in axis.symbols] if axis.domain.kind == "simplex" else [f"v{k + 1}" for k in range(len(corners))]
     )
-    labels = tuple(_label(axis, powers) for powers in targets)
+    labels = tuple(_label(axis, names, powers) for powers in targets)
     return AxisRelaxation(f"Pólya degree {degree}", weights, labels, Soundness.SUFFICIENT)
 
 
-def homogeneous_exponents(variables: int, degree: int) -> np.ndarray[tuple[int, int], np.dtype[np.int64]]:
+def _form(corners: Array, powers: Array, target: int, targets: Array) -> Array:
+    """Coefficients of Π_i (Σ_v corners[v, i] λ_v)^powers[i] · (Σλ)^rest over ``targets``."""
+    form: dict[tuple[int, ...], float] = {(0,) * len(corners): 1.0}
+    linear = [corners[:, i] for i, power in enumerate(powers) for _ in range(int(power))]
+    for factor in [*linear, *[np.ones(len(corners))] * (target - len(linear))]:
+        following: dict[tuple[int, ...], float] = {}
+        for monomial, value in form.items():
+            for v in np.flatnonzero(factor):
+                raised = (*monomial[:v], monomial[v] + 1, *monomial[v + 1 :])
+                following[raised] = following.get(raised, 0.0) + value * float(factor[v])
+        form = following
+    return np.array([form.get(tuple(row), 0.0) for row in targets.tolist()])
+
+
+def homogeneous_exponents(variables: int, degree: int) -> Array:
     """Exponents of all monomials of the given degree, shape (count, variables)."""
     chosen = list(combinations_with_replacement(range(variables), degree))
     exponents = np.zeros((len(chosen), variables), dtype=np.int64)
@@ -45,10 +62,10 @@ def homogeneous_exponents(variables: int, degree: int) -> np.ndarray[tuple[int, 
 
 
 def multinomial(powers: tuple[int, ...]) -> int:
-    """Coefficient of the monomial in (Σα)^(Σ powers)."""
+    """Coefficient of the monomial in (Σλ)^(Σ powers)."""
     return factorial(sum(powers)) // prod(factorial(p) for p in powers)
 
 
-def _label(axis: Axis, powers: np.ndarray[tuple[int], np.dtype[np.int64]]) -> str:
-    factors = [f"{s}" if p == 1 else f"{s}^{p}" for s, p in zip(axis.symbols, powers, strict=True) if p]
+def _label(axis: Axis, names: list[str], powers: Array) -> str:
+    factors = [name if p == 1 else f"{name}^{p}" for name, p in zip(names, powers, strict=True) if p]
     return f"{axis.name}: " + (" ".join(factors) or "1")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import reduce
-from itertools import product
-from typing import Any
+from math import prod
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
@@ -15,67 +17,120 @@ from lmic.bind import Binding
 from lmic.errors import RelaxationError
 from lmic.parametric import ParametricLMI
 from lmic.polynomials import Monomials
-from lmic.relax.family import AxisRelaxation, LMIFamily, Soundness
+from lmic.relax.family import AxisRelaxation, LMIFamily
+from lmic.relax.grid import Grid, grid
 from lmic.relax.polya import polya
-from lmic.relax.space import Axis, axes
+from lmic.relax.space import Axis, Space, space
 from lmic.relax.vertices import vertices
 
+Array: TypeAlias = NDArray[Any]
 
-def relax(binding: Binding, degrees: Mapping[str, int] | int = 0) -> list[LMIFamily]:
-    """Finitely many LMIs for each parametric one.
+METHODS = ("auto", "vertices", "polya", "grid")
 
-    Axis by axis: absent → nothing, affine → vertices (exact), polynomial on a simplex →
-    coefficients with the Pólya degree of ``degrees`` (per parameter, or one for all).
+
+@dataclass(frozen=True)
+class Relaxation:
+    """How parameters are made finite. Every mapping is keyed by a parameter (``r``), an instance
+    (``r[c]``, ``alpha+``) or a component's symbol (``rho1``); the most special key wins.
+
+    ``method``: "auto" (affine → vertices, polynomial on a simplex → Pólya, otherwise grid),
+    "vertices", "polya" or "grid". ``polya``: degrees, 0 where nothing is said. ``grid``: the
+    points where a grid is used. ``ties``: instances that are equal, {"b": "a"}.
     """
-    space = axes(binding.instances, binding.domains)
-    if not isinstance(degrees, int):
-        unknown = sorted(set(degrees) - {axis.name for axis in space} - set(binding.instances))
-        if unknown:
-            raise RelaxationError(
-                f"{unknown[0]} is no parameter; Pólya degrees go to {', '.join(a.name for a in space)}"
-            )
-    return [relax_lmi(lmi, space, degrees) for lmi in binding.lmis.values()]
+
+    method: Mapping[str, str] = field(default_factory=dict)
+    polya: Mapping[str, int] | int = 0
+    grid: Mapping[str, Grid | int] = field(default_factory=dict)
+    ties: Mapping[str, str] = field(default_factory=dict)
 
 
-def relax_lmi(lmi: ParametricLMI, space: list[Axis], degrees: Mapping[str, int] | int) -> LMIFamily:
+def relax(binding: Binding, choice: Relaxation | None = None) -> list[LMIFamily]:
+    """Finitely many LMIs for each parametric one."""
+    choice = choice or Relaxation()
+    joint = frozenset(name for name, g in choice.grid.items() if isinstance(g, Grid) and g.joint)
+    geometry = space(binding, choice.ties, joint)
+    _check_keys(choice, geometry)
+    return [relax_lmi(lmi.renamed(geometry.equal), geometry, choice) for lmi in binding.lmis.values()]
+
+
+def relax_lmi(lmi: ParametricLMI, geometry: Space, choice: Relaxation) -> LMIFamily:
     """One LMI; independent axes combine to all pairs of their choices."""
     relaxed: list[AxisRelaxation] = []
     remaining = set(lmi.monomials.atoms)
-    for axis in space:
+    for axis in geometry.axes:
         part = lmi.monomials.split(set(axis.symbols))[0]
         if not part.atoms:
             continue
         remaining -= set(part.atoms)
-        relaxed.append(_relax_axis(lmi, axis, part, _degree(degrees, axis)))
+        relaxed.append(_relax_axis(lmi, axis, part, choice))
     if remaining:
-        raise RelaxationError(f"the dependence on {min(map(str, remaining))} fits no relaxation", lmi.place)
+        raise RelaxationError(
+            f"{min(map(str, remaining))} mixes symbols that vary independently, and fits no relaxation; "
+            "give its parameter a joint grid (random or points)",
+            lmi.place,
+        )
+    _check_memory(lmi, relaxed)
     weights = reduce(_combine, [r.weights for r in relaxed], np.ones((1, len(lmi.monomials))))
-    labels = tuple(product(*(r.labels for r in relaxed)))
-    return LMIFamily(
-        lmi, weights, labels, tuple(r.method for r in relaxed), Soundness.weakest([r.soundness for r in relaxed])
+    return LMIFamily(lmi, weights, tuple(relaxed), np.arange(len(weights)))
+
+
+def _relax_axis(lmi: ParametricLMI, axis: Axis, part: Monomials, choice: Relaxation) -> AxisRelaxation:
+    """The relaxation of one axis; raises where the requested one does not apply, and says which do."""
+    polynomial = all(isinstance(atom, sp.Symbol) for atom in part.atoms)
+    affine = polynomial and int(part.exponents.sum(axis=1).max()) <= 1
+    method = _option(choice.method, axis, "auto")
+    points = _option(choice.grid, axis, None)
+    if method == "auto":
+        asked = not isinstance(choice.polya, int) and any(key in choice.polya for key in axis.keys)
+        on_simplex = axis.domain.kind == "simplex"
+        method = "vertices" if affine else "polya" if polynomial and (on_simplex or asked) else "grid"
+    if method == "vertices" and affine:
+        return vertices(axis, part)
+    if method == "polya" and polynomial:
+        return polya(axis, part, choice.polya if isinstance(choice.polya, int) else _option(choice.polya, axis, 0))
+    if method == "grid" and points is not None:
+        return grid(axis, part, points if isinstance(points, Grid) else Grid(points))
+    degree = (
+        "not polynomial" if not polynomial else "affine" if affine else f"of degree {part.exponents.sum(axis=1).max()}"
+    )
+    fitting = [m for m, fits in (("vertices", affine), ("polya", polynomial)) if fits] + ["grid"]
+    missing = f", but no grid is given for {axis.parameter}" if method == "grid" else f", so '{method}' does not apply"
+    raise RelaxationError(
+        f"the dependence on {axis.name} is {degree}{missing}; what fits: {', '.join(fitting)} "
+        f"(as grid={{'{axis.parameter}': 5}} or polya={{'{axis.parameter}': 0}})",
+        lmi.place,
     )
 
 
-def _relax_axis(lmi: ParametricLMI, axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
-    strange = [atom for atom in part.atoms if not isinstance(atom, sp.Symbol)]
-    if strange:
+def _option(options: Mapping[str, Any], axis: Axis, default: Any) -> Any:
+    return next((options[key] for key in axis.keys if key in options), default)
+
+
+def _check_keys(choice: Relaxation, geometry: Space) -> None:
+    """Options for parameters that do not exist are mistakes, not wishes."""
+    known = {key for axis in geometry.axes for key in axis.keys} | {str(s) for s in geometry.equal}
+    for options in (choice.method, choice.grid, choice.polya if isinstance(choice.polya, Mapping) else {}):
+        for key in options:
+            if key not in known:
+                raise RelaxationError(f"'{key}' is no parameter here; options go to {', '.join(sorted(known))}")
+    for method in choice.method.values():
+        if method not in METHODS:
+            raise RelaxationError(f"'{method}' is no relaxation; use {', '.join(METHODS)}")
+
+
+def _check_memory(lmi: ParametricLMI, relaxed: list[AxisRelaxation]) -> None:
+    """Refuse, before allocating it, a table of weights that does not fit into half the memory."""
+    needed = 8 * prod(len(r.labels) for r in relaxed) * len(lmi.monomials)
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if needed > memory / 2:
+        counts = " x ".join(str(len(r.labels)) for r in relaxed)
         raise RelaxationError(
-            f"{strange[0]} is not polynomial, so vertices and Pólya do not apply; use a grid", lmi.place
+            f"{counts} points need {needed / 1e9:.0f} GB for their weights alone, of {memory / 1e9:.0f} GB; "
+            "take fewer grid points, or vertices where the dependence is affine",
+            lmi.place,
         )
-    if int(part.exponents.sum(axis=1).max()) <= 1:
-        return vertices(axis, part)
-    if axis.domain.kind == "simplex":
-        return polya(axis, part, degree)
-    raise RelaxationError(f"the dependence on {axis.name} is not affine on a {axis.domain.kind}; use a grid", lmi.place)
 
 
-def _degree(degrees: Mapping[str, int] | int, axis: Axis) -> int:
-    """Pólya degree of an axis, by its own name or that of its parameter."""
-    if isinstance(degrees, int):
-        return degrees
-    return degrees.get(axis.name, degrees.get(axis.name.rstrip("+").split("[")[0], 0))
-
-
-def _combine(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
+def _combine(first: Array, second: Array) -> Array:
     """Weights of all pairs: the product of the two, monomial by monomial."""
     return (first[:, None, :] * second[None, :, :]).reshape(-1, first.shape[1])

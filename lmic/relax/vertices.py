@@ -5,6 +5,8 @@ An affine matrix function is positive definite on a polytope exactly when it is 
 
 from __future__ import annotations
 
+import numpy as np
+
 from lmic.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.space import Axis
@@ -14,7 +16,7 @@ def vertices(axis: Axis, part: Monomials) -> AxisRelaxation:
     """Evaluate at every vertex of the axis's domain."""
     points = axis.domain.vertices
     weights = part.evaluate({symbol: points[:, k] for k, symbol in enumerate(axis.symbols)})
-    if len(weights) == 1 != len(points):
-        weights = weights.repeat(len(points), axis=0)
+    if len(weights) != len(points):
+        weights = np.broadcast_to(weights, (len(points), weights.shape[1]))
     labels = tuple(f"{axis.name}: vertex {k + 1}" for k in range(len(points)))
     return AxisRelaxation("vertices", weights, labels, Soundness.EXACT)

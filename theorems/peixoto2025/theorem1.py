@@ -12,7 +12,7 @@ The paper's expanded Φ_ijl prints P_{3,j} in Φ_21; its own (8) has P_3(α_{k+1
 from lmic.dsl import *
 
 nx, nw, ny, nz = dims("nx nw ny nz")
-alpha = Simplex("alpha", latex=r"\alpha_k", latex_next=r"\alpha_{k+1}")
+alpha = Simplex("alpha", latex=r"\alpha_k", latex_next=r"\alpha_{k+1}", step="free")
 eps = given("eps", latex=r"\epsilon")
 
 A, Bw = Data("A", nx, nx)(alpha), Data("B_w", nx, nw)(alpha)

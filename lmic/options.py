@@ -1,0 +1,135 @@
+"""The options that compiling takes on the command line, and how their texts are read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from lmic.errors import LmicError
+
+if TYPE_CHECKING:
+    from lmic.assemble import ConicProblem
+    from lmic.language.theorem import Theorem
+    from lmic.plants.plant import Plant
+    from lmic.relax.grid import Grid
+    from lmic.relax.relax import Relaxation
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
+OPTIONS = (
+    click.option("--set", "given", multiple=True, metavar="NAME=VALUE", help="Value of a scalar, as eps=150."),
+    click.option("--dependence", multiple=True, metavar="UNKNOWN=CHOICE", help="A degree, 'constant', or '1; rho1; sin(rho1)'."),
+    click.option("--size", "sizes", multiple=True, metavar="NAME=N", help="A dimension that no matrix of the plant fixes."),
+    click.option("--polya", multiple=True, metavar="[NAME=]DEGREE", help="Pólya degree, for all parameters or for one."),
+    click.option("--grid", multiple=True, metavar="NAME=GRID", help="Points where a grid is used: 5, chebyshev:9, random:100."),
+    click.option("--relax", "method", multiple=True, metavar="NAME=METHOD", help="auto, vertices, polya or grid."),
+    click.option("--tie", "ties", multiple=True, metavar="B=A", help="Instance b of a parameter equals instance a."),
+)  # fmt: skip
+
+
+def compiling(command: Command) -> Command:
+    """Give a command the options of compiling; it gets them as keywords for :class:`Choices`."""
+    for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True)
+class Choices:
+    """The options as texts."""
+
+    given: Sequence[str] = ()
+    dependence: Sequence[str] = ()
+    sizes: Sequence[str] = ()
+    polya: Sequence[str] = ()
+    grid: Sequence[str] = ()
+    method: Sequence[str] = ()
+    ties: Sequence[str] = ()
+
+    def compile(self, theorem: Theorem, plant: Plant) -> ConicProblem:
+        """The problem of a theorem and a plant with these choices."""
+        from lmic.pipeline import compile
+
+        return compile(
+            theorem,
+            plant,
+            numbers(self.given, "--set"),
+            dependences(self.dependence),
+            self.relaxation(),
+            self.dimensions(),
+        )
+
+    def compile_files(self, theorem: str, plant: Path) -> ConicProblem:
+        """The same from a theorem's name or path and a plant file."""
+        from lmic import library
+        from lmic.plants.files import read_plant
+
+        return self.compile(library.theorem(theorem), read_plant(plant))
+
+    def dimensions(self) -> dict[str, int]:
+        """``["nx=3"]`` as {"nx": 3}."""
+        return {name: _count(value, f"--size {name}") for name, value in _pairs(self.sizes, "--size").items()}
+
+    def relaxation(self) -> Relaxation:
+        """The relaxation that the options ask for."""
+        from lmic.relax.relax import Relaxation
+
+        return Relaxation(
+            method=_pairs(self.method, "--relax"),
+            polya=degrees(self.polya),
+            grid={name: _grid(value) for name, value in _pairs(self.grid, "--grid").items()},
+            ties=_pairs(self.ties, "--tie"),
+        )
+
+
+def numbers(texts: Sequence[str], option: str) -> dict[str, Any]:
+    """``["eps=150", "rho=1/3"]`` as exact numbers."""
+    from lmic.plants.plant import exact_number
+
+    return {name: exact_number(value) for name, value in _pairs(texts, option).items()}
+
+
+def degrees(texts: Sequence[str]) -> dict[str, int] | int:
+    """``["1"]`` for all parameters, or ``["alpha=1", "alpha+=0"]``."""
+    if len(texts) == 1 and "=" not in texts[0]:
+        return _count(texts[0], "--polya")
+    return {name: _count(value, f"--polya {name}") for name, value in _pairs(texts, "--polya").items()} or 0
+
+
+def dependences(texts: Sequence[str]) -> dict[str, Any]:
+    """``["P1=2", "H=constant", "P=1; rho1; rho1**2"]``."""
+    found: dict[str, Any] = {}
+    for name, value in _pairs(texts, "--dependence").items():
+        if value.isdecimal():
+            found[name] = int(value)
+        else:
+            found[name] = value if value == "constant" else [part.strip() for part in value.split(";")]
+    return found
+
+
+def _grid(text: str) -> Grid:
+    from lmic.relax.grid import Grid
+
+    kind, _, count = text.rpartition(":")
+    return Grid(_count(count, "--grid"), kind or "uniform")
+
+
+def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        name, separator, value = text.partition("=")
+        if not separator or not name.strip():
+            raise LmicError(f"'{option} {text}' has no name or no '='; write {option} NAME=VALUE")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _count(text: str, option: str) -> int:
+    if not text.strip().isdecimal():
+        raise LmicError(f"'{text}' after {option} is not a whole number from 0; write a number such as 2")
+    return int(text)

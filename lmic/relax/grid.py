@@ -1,0 +1,95 @@
+"""Grid: the LMI at chosen points; nothing is said between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lmic.errors import RelaxationError
+from lmic.polynomials import Monomials
+from lmic.relax.family import AxisRelaxation, Soundness
+from lmic.relax.polya import homogeneous_exponents
+from lmic.relax.space import Axis
+
+Array: TypeAlias = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """How to choose points.
+
+    ``kind``: "uniform" (``count`` per component, ends included), "chebyshev" (``count`` per
+    component), "random" (``count`` in all, with ``seed``) or "points" (``points`` given as rows).
+    """
+
+    count: int = 0
+    kind: str = "uniform"
+    seed: int = 0
+    points: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def joint(self) -> bool:
+        """Whether the points are those of a whole parameter, not of each component by itself."""
+        return self.kind in ("random", "points")
+
+    @classmethod
+    def at(cls, points: Sequence[Sequence[float]]) -> Grid:
+        """A grid of given points, one row each."""
+        return cls(kind="points", points=tuple(tuple(map(float, np.atleast_1d(p))) for p in points))
+
+
+def grid(axis: Axis, part: Monomials, choice: Grid) -> AxisRelaxation:
+    """Evaluate at the points."""
+    points = grid_points(axis, choice)
+    weights = part.evaluate({symbol: points[:, k] for k, symbol in enumerate(axis.symbols)})
+    if len(weights) != len(points):
+        weights = np.broadcast_to(weights, (len(points), weights.shape[1]))
+    labels = tuple(f"{axis.name} = {np.array2string(point, precision=4, separator=', ')}" for point in points)
+    return AxisRelaxation(f"grid of {len(points)} points", weights, labels, Soundness.SAMPLED)
+
+
+def grid_points(axis: Axis, choice: Grid) -> Array:
+    """The points on an axis, shape (K, symbols)."""
+    domain = axis.domain
+    if choice.kind == "points":
+        points = np.array(choice.points, dtype=float)
+        if points.ndim != 2 or points.shape[1] != len(axis.symbols):
+            raise RelaxationError(f"the grid points of {axis.name} need {len(axis.symbols)} coordinates each")
+        return points
+    if choice.count < 1:
+        raise RelaxationError(f"the grid on {axis.name} has no point; give a count of at least 1")
+    if choice.kind == "random":
+        return domain.sample(choice.count, np.random.default_rng(choice.seed))
+    if choice.kind not in ("uniform", "chebyshev"):
+        raise RelaxationError(f"'{choice.kind}' is no kind of grid; use uniform, chebyshev, random or points")
+    if domain.kind == "simplex":
+        parts = max(choice.count - 1, 1)
+        return homogeneous_exponents(len(domain.components), parts) / parts
+    low, high = domain.vertices.min(axis=0), domain.vertices.max(axis=0)
+    sides = [_side(a, b, choice) for a, b in zip(low, high, strict=True)]
+    points = np.array(list(product(*sides)))
+    return points if domain.kind == "box" else _within(points, domain.vertices)
+
+
+def _side(low: float, high: float, choice: Grid) -> Array:
+    if low == high or choice.count == 1:
+        return np.array([(low + high) / 2])
+    if choice.kind == "chebyshev":
+        angles = (2 * np.arange(choice.count) + 1) * np.pi / (2 * choice.count)
+        return (low + high) / 2 - (high - low) / 2 * np.cos(angles)
+    return np.linspace(low, high, choice.count)
+
+
+def _within(points: Array, vertices: Array) -> Array:
+    """The points inside a polytope, and its vertices."""
+    from scipy.optimize import linprog
+
+    system = np.vstack([vertices.T, np.ones(len(vertices))])
+    zero = np.zeros(len(vertices))
+    inside = [linprog(zero, A_eq=system, b_eq=[*point, 1.0]).success for point in points]
+    return np.unique(np.concatenate([points[inside], vertices]), axis=0)
