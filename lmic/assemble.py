@@ -89,6 +89,16 @@ class ConicProblem:
     def offset(self) -> Array:
         return self.columns[:, [0]].toarray().ravel()
 
+    def restricted(self, chosen: Array) -> ConicProblem:
+        """The problem with only the LMIs numbered ``chosen`` (increasing), in the same unknowns."""
+        families, start = [], 0
+        for family in self.families:
+            mine = chosen[(chosen >= start) & (chosen < start + len(family))] - start
+            start += len(family)
+            if len(mine):
+                families.append(family.subset(mine))
+        return ConicProblem(self.binding, tuple(families), self.cost, self.constant)
+
     def label(self, index: int) -> str:
         """Name of the LMI number ``index``: performance, alpha: alpha1^2, alpha+: vertex 2."""
         for family in self.families:

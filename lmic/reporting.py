@@ -184,7 +184,7 @@ def print_result(result: Result) -> None:
         out.print(f"            {solution.status.advice}")
         return
     out.print(
-        f"violation   {-solution.violation:.1e} (relative to diag S: {-solution.relative_violation:.1e}), at {solution.worst}"
+        f"violation   {abs(solution.violation):.1e} (relative to diag S: {abs(solution.relative_violation):.1e}), at {solution.worst}"
     )
     out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
     for name, value in result.reports.items():
@@ -247,7 +247,7 @@ def print_reproduction(
                 f"{outcome.value:.7g}",
                 f"{(outcome.value - paper) / paper:+.2%}",
                 outcome.verdict.value,
-                f"{-outcome.result.solution.relative_violation:.0e}",
+                f"{abs(outcome.result.solution.relative_violation):.0e}",
                 "" if norm is None else f"{norm:.4g}",
                 "" if gain is None else f"{gain:.4g}",
             )

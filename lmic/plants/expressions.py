@@ -29,7 +29,7 @@ MAX_TEXT = 2000  # characters
 MAX_NODES = 500  # operators, names, numbers and calls
 MAX_DEPTH = 50  # operations inside one another
 MAX_CALLS = 3  # functions inside one another: sympy's time is exponential in this
-MAX_DEGREE, MAX_TERMS = 50, 1000  # of the expression multiplied out
+MAX_DEGREE, MAX_TERMS = 50, 500  # of the expression multiplied out
 MAX_ARGUMENT_DEGREE, MAX_ARGUMENT_TERMS = 10, 20  # of a function's argument multiplied out
 MAX_DIGITS = 100  # characters of a literal
 MAX_EXPONENT = 200  # of a literal, in powers of ten
@@ -48,6 +48,7 @@ FUNCTIONS: Mapping[str, Any] = {
     "abs": sp.Abs,
 }
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
+_HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh)  # sympy's questions about these grow with what is inside
 WHERE = "where"
 RESERVED = frozenset({*FUNCTIONS, *CONSTANTS, WHERE})
 
@@ -86,6 +87,10 @@ class Where(sp.Function):
         left, right, then, otherwise = map(printer.doprint, self.args)
         return f"{printer._module_format('numpy.where')}({left} >= {right}, {then}, {otherwise})"
 
+    def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
+        left, right, then, otherwise = self.args
+        return Where(left, right, then.diff(symbol), otherwise.diff(symbol))
+
     def _eval_rewrite_as_Piecewise(
         self, left: sp.Expr, right: sp.Expr, then: sp.Expr, otherwise: sp.Expr, **_: Any
     ) -> sp.Expr:
@@ -105,7 +110,7 @@ def parse(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
         known = {unicodedata.normalize("NFKC", name): symbol for name, symbol in symbols.items()}
         reader = _Reader(text, {**CONSTANTS, **known})
         expression = reader.read(tree)
-        reader.bound(expression, tree)
+        reader.expanded(expression, tree)
     except RecursionError:
         raise ExpressionError(f"{quoted(text)} nests its operations too deeply; write it flatter") from None
     return expression
@@ -194,9 +199,9 @@ class _Reader:
             case ast.BinOp(left=left, op=ast.Sub(), right=right):
                 return self.read(left) - self.read(right)
             case ast.BinOp(left=left, op=ast.Mult(), right=right):
-                return self.read(left) * self.read(right)
+                return self._product(self.read(left), self.read(right))
             case ast.BinOp(left=left, op=ast.Div(), right=right):
-                return self.read(left) / self._divisor(right)
+                return self._product(self.read(left), self._reciprocal(self.read(right), right))
             case ast.BinOp(left=left, op=ast.Pow(), right=right):
                 return self._power(left, right, node)
             case ast.Call(func=ast.Name(id="where"), args=[condition, then, otherwise], keywords=[]):
@@ -213,54 +218,55 @@ class _Reader:
                 raise self._error(node, "is a comparison; write it as the condition of where(condition, a, b)")
         raise self._error(node, "is not permitted; use numbers, names, + - * / **, parentheses and functions")
 
-    def bound(
-        self, expression: sp.Expr, node: ast.expr, max_terms: int = MAX_TERMS, max_degree: int = MAX_DEGREE
-    ) -> None:
+    def bound(self, expression: sp.Expr, node: ast.expr, limits: tuple[int, int] = (MAX_TERMS, MAX_DEGREE)) -> None:
         """Refuse what would grow out of hand when multiplied out, and numbers without a finite float."""
         terms, degree = _size(expression)
-        if terms > MAX_TERMS or degree > MAX_DEGREE:
-            raise self._error(node, f"is too large multiplied out; keep to {MAX_TERMS} terms and degree {MAX_DEGREE}")
+        if terms > limits[0] or degree > limits[1]:
+            raise self._error(node, f"is too large multiplied out; keep to {limits[0]} terms and degree {limits[1]}")
         numbers = expression.atoms(sp.Rational)
         if any(max(abs(int(n.p)), int(n.q)).bit_length() > MAX_BITS for n in numbers):
             raise self._error(node, f"has a numerator or denominator of more than {MAX_BITS} bits; use shorter numbers")
-        if expression.is_number and not _is_finite(expression):
-            raise self._error(node, "is not a finite real number; correct it")
 
-    def _expanded(self, node: ast.expr) -> sp.Expr:
-        """The operand multiplied out, which brings hidden constants such as (x + 1) - x - 1 to light."""
-        expression = self.read(node)
+    def expanded(self, expression: sp.Expr, node: ast.expr) -> sp.Expr:
+        """The expression multiplied out, which shows constants in disguise such as (x + 1)**2 - x*(x + 2)."""
         self.bound(expression, node)
-        return sp.expand(expression)
+        expanded = sp.expand(expression)
+        self.bound(expanded, node)
+        if expanded.is_number and not _is_finite(expanded):
+            raise self._error(node, "is not a finite real number; correct it")
+        return expanded
 
-    def _divisor(self, node: ast.expr) -> sp.Expr:
-        divisor = self.read(node)
-        self._refuse_zero(divisor, node)
-        return divisor
+    def _product(self, left: sp.Expr, right: sp.Expr) -> sp.Expr:
+        # sympy would ask first whether the other factor is finite, which can take it any amount of time
+        return sp.S.Zero if left == 0 or right == 0 else left * right
 
-    def _refuse_zero(self, divisor: sp.Expr, node: ast.expr) -> None:
-        self.bound(divisor, node)
-        expanded = sp.expand(divisor)
+    def _reciprocal(self, divisor: sp.Expr, node: ast.expr) -> sp.Expr:
+        expanded = self.expanded(divisor, node)
         # A number of which not one digit can be trusted, such as sin(1)**2 + cos(1)**2 - 1, is as bad as zero.
         if expanded == 0 or (expanded.is_number and not expanded.is_comparable):
             raise self._error(node, "is zero and divides; correct the divisor")
+        return 1 / divisor
 
     def _power(self, base_node: ast.expr, exponent_node: ast.expr, node: ast.expr) -> sp.Expr:
         base, exponent = self.read(base_node), self.read(exponent_node)
         if not exponent.is_Integer or abs(exponent) > MAX_DEGREE:
             raise self._error(exponent_node, f"is not an integer of size at most {MAX_DEGREE}, as an exponent must be")
-        if exponent < 0:
-            self._refuse_zero(base, base_node)
-        power = base**exponent
+        power = base ** abs(exponent)
         self.bound(power, node)
-        return power
+        return power if exponent >= 0 else self._reciprocal(power, base_node)
 
     def _apply(self, function: Any, argument_node: ast.expr, node: ast.expr) -> sp.Expr:
-        argument = self._expanded(argument_node)
-        self.bound(argument, argument_node, MAX_ARGUMENT_TERMS, MAX_ARGUMENT_DEGREE)
+        argument = self.expanded(self.read(argument_node), argument_node)
+        self.bound(argument, argument_node, (MAX_ARGUMENT_TERMS, MAX_ARGUMENT_DEGREE))
         if function is sp.exp and _hidden_power(argument) > MAX_DEGREE:
             raise self._error(node, f"is a power higher than {MAX_DEGREE}; lower the factor of the logarithm")
+        if function in _HYPERBOLIC and argument.has(sp.Function):
+            raise self._error(node, "has a function inside a hyperbolic one; write the latter by exp")
+        if not argument.is_number:
+            # unevaluated, because sympy's rules for symbolic arguments can take it any amount of time
+            return function(argument, evaluate=False)
         value = function(argument)
-        if value.is_number and not _is_finite(value):
+        if not _is_finite(value):
             raise self._error(node, "is not a finite real number; correct the argument")
         return value
 
@@ -271,8 +277,8 @@ class _Reader:
             case _:
                 raise self._error(condition, "is not one comparison by < <= > or >=; write one such as k >= 10")
         chosen = Where(
-            *[self._expanded(node) for node in (left, right)[::sides]],
-            *[self._expanded(node) for node in (then, otherwise)[::values]],
+            *[self.expanded(self.read(node), node) for node in (left, right)[::sides]],
+            *[self.expanded(self.read(node), node) for node in (then, otherwise)[::values]],
         )
         if chosen.func is Where and (chosen.args[0] - chosen.args[1]).is_number:
             raise self._error(condition, "compares two constants too close to tell apart; replace it by its outcome")
@@ -309,4 +315,4 @@ def _size(expression: sp.Expr) -> tuple[int, int]:
             times = math.ceil(abs(exponent))
             return math.comb(count + times - 1, times), degree * times
         case _:
-            return 1, int(bool(expression.free_symbols))
+            return 1, int(not expression.is_Rational)

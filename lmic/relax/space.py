@@ -28,7 +28,9 @@ class Axis:
     @property
     def name(self) -> str:
         """How labels and messages call the axis."""
-        return ", ".join(map(str, self.symbols)) if len(self.symbols) <= 2 else f"{self.parameter}{self.instance}"
+        if len(self.symbols) == 1:
+            return str(self.symbols[0])
+        return str(Parameter(self.parameter, instance=self.instance))
 
     @property
     def keys(self) -> tuple[str, ...]:

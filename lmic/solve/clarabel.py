@@ -24,6 +24,9 @@ _STATUS = {
 _FINE = {"tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10, "tol_feas": 1e-10}
 _ROUGH = {"max_iter": 50}
 
+#: rows from which the multithreaded factorisation is the faster one
+_MULTITHREADED_FROM = 1500
+
 
 class Clarabel:
     """Minimise with Clarabel; ``settings`` overrides lmic's by name."""
@@ -37,6 +40,8 @@ class Clarabel:
         """Solve the cone problem."""
         settings = clarabel.DefaultSettings()
         settings.verbose = False
+        if data.matrix.shape[0] > _MULTITHREADED_FROM:
+            settings.direct_solve_method = "faer"
         for name, value in {**(_ROUGH if rough else _FINE), **self.settings}.items():
             setattr(settings, name, value)
         size = len(data.cost)

@@ -1,0 +1,198 @@
+"""Solve all LMIs of a problem at once: reduce, solve, rescale by the answer, solve again, judge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+import scipy.sparse as sps
+from numpy.typing import NDArray
+
+from lmic.assemble import ConicProblem
+from lmic.solve import scaling
+from lmic.solve.cone import ConeAnswer, ConeData, ConeSolver, Status
+from lmic.solve.lineality import lineality
+from lmic.solve.solution import Pass, Solution
+
+Array: TypeAlias = NDArray[Any]
+
+#: passes of rescaling and solving again
+PASSES = 6
+#: an answer within this relative violation and this relative gap is trusted
+TRUSTED_VIOLATION = 1e-9
+TRUSTED_GAP = 1e-7
+#: passes stop when the objective moves by less than this (relative)
+SETTLED = 1e-9
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    step: Pass
+    answer: ConeAnswer
+    x: Array
+    slack: Array
+    dual: Array
+
+    @property
+    def merit(self) -> float:
+        """Worst of violation and gap, each relative; the smaller the better."""
+        gap = abs(self.step.value - self.step.bound) / max(abs(self.step.value), 1e-12)
+        return max(self.step.violation, gap) if np.isfinite(gap) else np.inf
+
+
+def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
+    """Minimise; where the theorem minimises nothing, find the point of largest margin."""
+    if not problem.cost.any():
+        return _feasibility(problem, solver, passes)
+    data = ConeData(problem.cost, problem.matrix, problem.offset, problem.orders)
+    directions = lineality(data.matrix)
+    kept, unseen = directions.kept, len(directions.left_out)
+    if directions.unseen(data.cost):
+        return _without_answer(problem, Status.UNBOUNDED, solver, unseen, ())
+    reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
+    best, steps = _iterate(reduced, solver, passes)
+    if best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6):
+        if margin(problem, solver, passes).value > 0:
+            return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
+    if best.answer.status is Status.UNBOUNDED:
+        return _without_answer(problem, Status.UNBOUNDED, solver, unseen, steps)
+    x = np.zeros(problem.size)
+    x[kept] = best.x
+    return judged(problem, best, x, steps, unseen, solver)
+
+
+def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
+    """The least t ≥ -1 for which some x has F_k(x) + t·I ⪰ 0 for all k: negative means feasible."""
+    identity = np.concatenate([_svec_identity(int(order)) for order in problem.orders])
+    column = sps.csc_array(np.concatenate([identity, [1.0]])[:, None])
+    matrix = sps.vstack([problem.matrix, sps.csc_array((1, problem.size))]).tocsc()
+    data = ConeData(
+        np.concatenate([np.zeros(problem.size), [1.0]]),
+        sps.hstack([matrix, column]).tocsc(),
+        np.concatenate([problem.offset, [1.0]]),
+        np.concatenate([problem.orders, [1]]),
+    )
+    kept = lineality(data.matrix).kept
+    best, steps = _iterate(replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept]), solver, passes)
+    x = np.zeros(problem.size + 1)
+    x[kept] = best.x
+    found = judged(problem, best, x[:-1], steps, problem.size + 1 - len(kept), solver)
+    return replace(found, value=float(x[-1]), bound=best.step.bound, dual=best.dual[:-1])
+
+
+def _feasibility(problem: ConicProblem, solver: ConeSolver, passes: int) -> Solution:
+    found = margin(problem, solver, passes)
+    if not found.status.usable:
+        return found
+    if found.value >= 0 or found.violation < 0:
+        return replace(found, status=Status.INFEASIBLE, warnings=())
+    return replace(found, value=0.0, bound=0.0, warnings=())
+
+
+def _svec_identity(order: int) -> Array:
+    diagonal = np.arange(order)
+    vector = np.zeros(order * (order + 1) // 2)
+    vector[diagonal * (diagonal + 3) // 2] = 1.0
+    return vector
+
+
+def _iterate(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidate, tuple[Pass, ...]]:
+    """Solve, rescale by the best answer so far, solve again, until the value settles."""
+    scaled, transform = scaling.initial(data)
+    best: _Candidate | None = None
+    steps: list[Pass] = []
+    for number in range(passes):
+        candidate = _candidate(data, transform, solver(scaled, rough=number == 0))
+        steps.append(candidate.step)
+        previous = best
+        if best is None or candidate.merit < best.merit:
+            best = candidate
+        if candidate.answer.status in (Status.INFEASIBLE, Status.UNBOUNDED) and previous is None:
+            break
+        if previous is not None and _settled(previous.step, candidate.step, best):
+            break
+        scaled, transform = scaling.rescaled(data, candidate.slack, candidate.x)
+    assert best is not None
+    return best, tuple(steps)
+
+
+def _settled(previous: Pass, step: Pass, best: _Candidate) -> bool:
+    moved = abs(previous.value - step.value) <= SETTLED * max(abs(step.value), 1e-12)
+    return moved and best.merit <= 1e-8
+
+
+def _candidate(data: ConeData, transform: scaling.Scaling, answer: ConeAnswer) -> _Candidate:
+    x = transform.x(answer.y)
+    slack = scaling.unscaled_slack(answer.s, transform, data.orders)
+    dual = scaling.unscaled_dual(answer.z, transform, data.orders)
+    relative = _worst(data.matrix @ x + data.offset, slack, data.orders)[1]
+    step = Pass(answer.word, answer.iterations, float(data.cost @ x), float(-data.offset @ dual), max(0.0, -relative))
+    return _Candidate(step, answer, x, slack, dual)
+
+
+def _worst(packed: Array, slack: Array, orders: Array) -> tuple[float, float, int]:
+    """Least eigenvalue, least eigenvalue relative to diag(slack), and the LMI of the latter."""
+    least, relative, place = np.inf, np.inf, 0
+    matrices = scaling.slack_matrices(packed, orders)
+    for k, (matrix, reference) in enumerate(zip(matrices, scaling.slack_matrices(slack, orders), strict=True)):
+        if not np.isfinite(matrix).all():
+            return -np.inf, -np.inf, k
+        diagonal = np.maximum(np.diag(reference), np.finfo(float).tiny)
+        root = 1 / np.sqrt(diagonal)
+        least = min(least, float(np.linalg.eigvalsh(matrix)[0]))
+        scaled = float(np.linalg.eigvalsh(root[:, None] * matrix * root)[0])
+        if scaled < relative:
+            relative, place = scaled, k
+    return least, relative, place
+
+
+def judged(
+    problem: ConicProblem, best: _Candidate, x: Array, steps: tuple[Pass, ...], unseen: int, solver: ConeSolver
+) -> Solution:
+    """Measure the answer on the problem itself and say what is wrong with it."""
+    rows = int(problem.starts[-1])
+    least, relative, place = _worst(problem.matrix @ x + problem.offset, best.slack[:rows], problem.orders)
+    found = Solution(
+        status=best.answer.status,
+        x=x,
+        value=float(problem.cost @ x) + problem.constant,
+        bound=best.step.bound + problem.constant,
+        violation=min(least, 0.0),
+        relative_violation=min(relative, 0.0),
+        worst=problem.label(place),
+        dual=best.dual[:rows],
+        lineality=unseen,
+        solver=solver.name,
+        passes=steps,
+        warnings=(),
+    )
+    warnings = _warnings(found)
+    # the solver's word says little in either direction: what was measured decides
+    status = (Status.ALMOST if warnings else Status.SOLVED) if found.status.usable else found.status
+    return replace(found, status=status, warnings=warnings)
+
+
+def _warnings(found: Solution) -> tuple[str, ...]:
+    warnings = []
+    if not found.status.usable:
+        warnings.append(f"the solver ended with '{found.passes[-1].word}': {found.status.advice}")
+    if found.relative_violation < -TRUSTED_VIOLATION:
+        warnings.append(
+            f"the LMI '{found.worst}' is violated by {-found.relative_violation:.1e} relative to its diagonal, so the number is no bound"
+        )
+    if found.gap > TRUSTED_GAP:
+        warnings.append(
+            f"primal and dual objective differ by {found.gap:.1e} (relative), so the digits beyond that are not known"
+        )
+    return tuple(warnings)
+
+
+def _without_answer(
+    problem: ConicProblem, status: Status, solver: ConeSolver, unseen: int, steps: tuple[Pass, ...]
+) -> Solution:
+    value = np.inf if status is Status.INFEASIBLE else -np.inf
+    empty = np.full(problem.size, np.nan)
+    return Solution(
+        status, empty, value, value, -np.inf, -np.inf, "", np.zeros(0), unseen, solver.name, steps, (status.advice,)
+    )
