@@ -2,28 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from lmic.bind import Binding
+from lmic.domains import Domain
 from lmic.errors import Place, PlantError
+from lmic.language.systems import Schur
 from lmic.recover import Design
 
 
 def check_assumptions(binding: Binding) -> None:
     """Raise PlantError where a frozen vertex of the plant already rules out every solution."""
     data = Design(binding, np.zeros(binding.layout.size))
-    points = {name: domain.vertices for name, domain in binding.domains.items()}
+    points = vertex_points(binding.domains)
     for condition in binding.theorem.assumes:
-        for name, vertices in points.items():
-            # other parameters are held at their first vertex: each point is admissible on its own
-            values = {other: np.repeat(found[:1], len(vertices), axis=0) for other, found in points.items()}
-            matrices = data.at(condition.matrix, values | {name: vertices})
-            radii = np.abs(np.linalg.eigvals(matrices)).max(axis=-1)
-            worst = int(np.argmax(radii))
-            if radii[worst] >= 1:
-                raise PlantError(
-                    f"{condition.matrix} of {binding.plant.name} is unstable at vertex {worst + 1} of {name} "
-                    f"(spectral radius {radii[worst]:.4g}), and {condition.because}, so no solution exists; "
-                    "stabilise the plant or shrink the domain",
-                    Place(binding.theorem.name),
-                )
+        eigenvalues = np.linalg.eigvals(data.at(condition.matrix, points))
+        sizes = np.abs(eigenvalues) if isinstance(condition, Schur) else eigenvalues.real
+        found = sizes.max(axis=-1)
+        worst = int(np.argmax(found))
+        if found[worst] >= condition.limit:
+            where = ", ".join(f"{name} = {np.array2string(values[worst])}" for name, values in points.items())
+            raise PlantError(
+                f"{condition.matrix} of {binding.plant.name} is unstable{' at ' + where if where else ''} "
+                f"({condition.word} {found[worst]:.4g}), and {condition.because}, so no solution exists; "
+                "stabilise the plant or shrink the domain",
+                Place(binding.theorem.name),
+            )
+
+
+def vertex_points(domains: Mapping[str, Domain]) -> dict[str, Any]:
+    """All combinations of the domains' vertices, for each parameter an array of its values."""
+    combined = np.indices([len(domain.vertices) for domain in domains.values()]).reshape(len(domains), -1)
+    return {name: domain.vertices[index] for (name, domain), index in zip(domains.items(), combined, strict=True)}

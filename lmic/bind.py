@@ -21,7 +21,7 @@ from lmic import svec
 from lmic.bases import Choice
 from lmic.domains import Domain
 from lmic.errors import DomainError, Place, PlantError
-from lmic.expand import Factor, Factors, Selector, canonical
+from lmic.expand import Factor, Factors, Selector, Stacked, canonical
 from lmic.language.nodes import Inverse, Leaf
 from lmic.language.parameters import Parameter, instance_symbol, rate_symbol
 from lmic.language.theorem import Theorem
@@ -83,7 +83,7 @@ def bind(
         layout=binder.layout,
         lmis={name: binder.lmi(terms) for name, terms in term_lists.items()},
         objective=binder.objective(),
-        instances={name: tuple(found) for name, found in theorem.parameters.items()},
+        instances={name: tuple(found) for name, found in theorem.parameters.items() if name in domains},
         domains=domains,
     )
 
@@ -108,8 +108,10 @@ def scalar_values(theorem: Theorem, plant: Plant, scalars: Mapping[str, Any]) ->
 
 
 def _domains(theorem: Theorem, plant: Plant, place: Place) -> dict[str, Domain]:
-    """The domain of every parameter of the theorem."""
+    """The domain of every parameter of the theorem; a plant without parameters is time-invariant."""
     domains: dict[str, Domain] = {}
+    if not plant.domains:
+        return domains
     for name, instances in theorem.parameters.items():
         if name not in plant.domains:
             known = ", ".join(plant.domains) or "no parameter"
@@ -171,13 +173,15 @@ class _Binder:
             self.cache[factors] = last if head is None else head @ last
         return self.cache[factors]
 
-    def _matrix(self, matrix: Leaf | Inverse | Selector) -> MatrixPolynomial:
+    def _matrix(self, matrix: Leaf | Inverse | Selector | Stacked) -> MatrixPolynomial:
         match matrix:
             case Leaf():
                 return self._data(matrix)
             case Selector():
                 total, offset, size = (self.size(s) for s in (matrix.total, matrix.offset, matrix.size))
                 return MatrixPolynomial.constant(np.eye(total)[:, offset : offset + size])
+            case Stacked():
+                return MatrixPolynomial.constant(np.eye(self.size(matrix.size)).reshape(-1, 1))
             case Inverse():
                 parts = [
                     value.scaled(scalar_polynomial(_plain(coefficient)))
@@ -190,7 +194,9 @@ class _Binder:
     def _data(self, leaf: Leaf) -> MatrixPolynomial:
         """A matrix of the plant at the leaf's parameters."""
         value = self.plant.matrices[leaf.name].numeric()
-        allowed = {sp.Symbol(c) for p in leaf.arguments for c in self.domains[p.name].components}
+        allowed = {
+            sp.Symbol(c) for p in leaf.arguments if p.name in self.domains for c in self.domains[p.name].components
+        }
         allowed |= {sp.Symbol(scalar) for scalar in self.plant.scalars}
         for atom in value.monomials.atoms:
             foreign = atom.free_symbols - allowed
@@ -207,7 +213,7 @@ class _Binder:
         return {
             sp.Symbol(component): instance_symbol(component, parameter.instance)
             for parameter in leaf.arguments
-            if parameter.instance
+            if parameter.instance and parameter.name in self.domains
             for component in self.domains[parameter.name].components
         }
 
@@ -217,7 +223,7 @@ class _Binder:
         """Basis functions of an unknown (or their time derivatives) at its instance, 1 x B."""
         functions = self.layout.unknowns[leaf.name].functions
         if leaf.derivative:
-            components = [c for p in leaf.arguments for c in self.domains[p.name].components]
+            components = [c for p in leaf.arguments if p.name in self.domains for c in self.domains[p.name].components]
             functions = tuple(
                 sp.Add(*(sp.diff(f, sp.Symbol(c)) * rate_symbol(c) for c in components)) for f in functions
             )

@@ -58,9 +58,7 @@ def list_theorems(as_json: bool) -> None:
         return echo_json([{"name": n, "title": t.title, "source": str(t.source)} for n, t in found.items()])
     table = terminal.table("theorem", "title", "source")
     for name, theorem in found.items():
-        table.add_row(
-            name, theorem.title, f"{theorem.source.authors} ({theorem.source.year}), {theorem.source.statement}"
-        )
+        table.add_row(name, theorem.title, theorem.source.short)
     terminal.console().print(table)
     return None
 

@@ -18,20 +18,35 @@ from lmic.language.declarations import (
     inv,
     kron,
     star,
+    trace,
     zeros,
 )
 from lmic.language.parameters import Box, Parameter, Simplex
-from lmic.language.theorem import ND, PD, Bound, DiscreteSystem, Schur, Source, Theorem, Variant
+from lmic.language.systems import (
+    Bound,
+    ContinuousSystem,
+    DelaySystem,
+    DiscreteSystem,
+    FornasiniMarchesini,
+    Hurwitz,
+    Schur,
+)
+from lmic.language.theorem import ND, PD, Bisection, Source, Theorem, Variant
 
 __all__ = [
     "ND",
     "PD",
+    "Bisection",
     "BlockDiagonal",
     "Bound",
     "Box",
+    "ContinuousSystem",
     "Data",
+    "DelaySystem",
     "DiscreteSystem",
+    "FornasiniMarchesini",
     "He",
+    "Hurwitz",
     "I",
     "Matrix",
     "Parameter",
@@ -52,5 +67,6 @@ __all__ = [
     "kron",
     "sqrt",
     "star",
+    "trace",
     "zeros",
 ]

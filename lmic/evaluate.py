@@ -24,6 +24,7 @@ from lmic.language.nodes import (
     MatrixProduct,
     MatrixSum,
     Node,
+    Trace,
     Transposed,
     Zero,
 )
@@ -68,6 +69,8 @@ def evaluate(node: Node, leaf: Valuation, scalars: Mapping[str, float], sizes: M
             product = np.einsum("...ij,...kl->...ikjl", left, right)
             rows, cols = left.shape[-2] * right.shape[-2], left.shape[-1] * right.shape[-1]
             return product.reshape(*product.shape[:-4], rows, cols)
+        case Trace():
+            return np.trace(value(node.nodes[0]), axis1=-2, axis2=-1)[..., None, None]
         case Block():
             return block_array([[value(entry) for entry in row] for row in node.grid])
     raise TypeError(f"no value for {type(node).__name__}")

@@ -21,6 +21,7 @@ from lmic.language.nodes import (
     MatrixProduct,
     MatrixSum,
     Node,
+    Trace,
     Transposed,
     Zero,
 )
@@ -39,10 +40,17 @@ class Selector:
 
 
 @dataclass(frozen=True)
+class Stacked:
+    """The columns of an identity of order ``size`` below one another: s with tr M = sᵀ (I ⊗ M) s."""
+
+    size: Size
+
+
+@dataclass(frozen=True)
 class Factor:
     """I_before ⊗ M ⊗ I_after, where M is a named matrix, an inverse or a selector, or its transpose."""
 
-    matrix: Leaf | Inverse | Selector
+    matrix: Leaf | Inverse | Selector | Stacked
     transposed: bool = False
     before: Size = ONE
     after: Size = ONE
@@ -103,6 +111,10 @@ def _expand(node: Node) -> Expansion:
             left, right = node.nodes
             outer = _kron(_expand(left), ONE, right.shape[0])
             return _multiply(outer, _kron(_expand(right), left.shape[1], ONE))
+        case Trace():
+            size = node.nodes[0].shape[0]
+            columns: Expansion = {(Factor(Stacked(size)),): ONE}
+            return _multiply(_multiply(_transpose(columns), _kron(_expand(node.nodes[0]), size, ONE)), columns)
         case Block():
             return _merge(_block_parts(node))
     raise NotImplementedError(f"no expansion for {type(node).__name__}")

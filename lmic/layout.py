@@ -119,7 +119,7 @@ def make_layout(
         layout[scalar.name] = UnknownLayout(scalar.name, offset, np.zeros((1, 1), dtype=int), (sp.Integer(1),))
         offset += 1
     for name, leaf in unknowns.items():
-        parameters = {parameter: domains[parameter] for parameter in theorem.dependence(name)}
+        parameters = {p: domains[p] for p in theorem.dependence(name) if p in domains}
         functions = basis_functions(name, dependence.get(name, DEFAULT), parameters)
         shape = tuple(int(size.subs(sizes)) for size in leaf.shape)
         blocks = [] if name in theorem.full else [int(size.subs(sizes)) for size in leaf.blocks]

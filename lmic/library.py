@@ -44,8 +44,10 @@ def names() -> list[str]:
     """Names of all theorems and variants, in order."""
     found: list[str] = []
     for name, path in files().items():
-        found.append(name)
-        found.extend(f"{_group(name)}{variant}" for variant in load_file(path).variants)
+        for one in (name, *(f"{_group(name)}{variant}" for variant in load_file(path).variants)):
+            if one in found:
+                raise LibraryError(f"two theorems of the library are called {one}; rename the variant in {path}")
+            found.append(one)
     return found
 
 

@@ -19,6 +19,7 @@ from lmic.language.nodes import (
     MatrixProduct,
     MatrixSum,
     Node,
+    Trace,
     is_zero,
 )
 from lmic.language.theorem import LMI, Theorem
@@ -129,7 +130,7 @@ def _upper_block(entries: Mapping[tuple[int, int], Any], i: int, j: int, place: 
 
 
 def _require_symmetric(block: Node, place: Place) -> None:
-    if not _same(block, block.T):
+    if block.shape[0] != 1 and not _same(block, block.T):
         raise AsymmetryError(f"{block} is not symmetric; wrap it in He(...) or declare its matrix Symmetric", place)
 
 
@@ -167,7 +168,7 @@ def _pairs(node: Node) -> Iterator[tuple[Sized, Sized, str]]:
     elif isinstance(node, MatrixProduct):
         for left, right in zip(operands, operands[1:], strict=False):
             yield _sized(left, 1), _sized(right, 0), "multiply"
-    elif isinstance(node, (Hermitian, Inverse)):
+    elif isinstance(node, (Hermitian, Inverse, Trace)):
         yield _sized(operands[0], 0), _sized(operands[0], 1), "make a square matrix"
     elif isinstance(node, Block):
         for i, row in enumerate(node.grid):

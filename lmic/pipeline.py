@@ -32,7 +32,8 @@ from lmic.plants.plant import Plant
 from lmic.recover import Design, recover
 from lmic.relax.relax import Relaxation, relax
 from lmic.solve.cone import ConeSolver
-from lmic.solve.solve import Solution, solve
+from lmic.solve.solution import Solution
+from lmic.solve.solve import solve
 from lmic.terms import term_lists
 
 

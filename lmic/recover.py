@@ -17,7 +17,7 @@ from lmic.errors import DomainError, Place
 from lmic.evaluate import evaluate
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import instance_symbol
-from lmic.language.theorem import Bound
+from lmic.language.systems import Bound
 from lmic.polynomials import MatrixPolynomial
 
 Array: TypeAlias = NDArray[Any]

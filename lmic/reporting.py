@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lmic.assemble import ConicProblem
+from lmic.assumptions import vertex_points
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import CaseTable
 from lmic.papers.reproduce import Outcome, Simulated
@@ -156,20 +157,13 @@ def _vertex_design(result: Result) -> dict[str, Any]:
     """The recovered matrices at the domain's vertices."""
     if not result.solution.status.usable or not result.theorem.recover:
         return {}
-    points = vertex_grid(result)
+    points = vertex_points(result.problem.binding.domains)
     matrices = result.design(**points)
     count = max((len(values) for values in points.values()), default=1)
     return {
         "at": {name: values.tolist() for name, values in points.items()},
         **{name: np.broadcast_to(m, (count, *m.shape[-2:])).tolist() for name, m in matrices.items()},
     }
-
-
-def vertex_grid(result: Result) -> dict[str, Any]:
-    """All combinations of the domains' vertices, one array of points per parameter."""
-    domains = result.problem.binding.domains
-    combined = np.indices([len(domain.vertices) for domain in domains.values()]).reshape(len(domains), -1)
-    return {name: domain.vertices[index] for (name, domain), index in zip(domains.items(), combined, strict=True)}
 
 
 def print_result(result: Result) -> None:
@@ -197,7 +191,7 @@ def print_result(result: Result) -> None:
 
 def print_design(result: Result) -> None:
     """The recovered matrices at the vertices."""
-    points = vertex_grid(result)
+    points = vertex_points(result.problem.binding.domains)
     matrices = result.design(**points)
     count = max((len(values) for values in points.values()), default=1)
     for k in range(count):

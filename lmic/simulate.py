@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic.language.theorem import Bound
+from lmic.language.systems import Bound
 from lmic.recover import Design
 
 Array: TypeAlias = NDArray[Any]

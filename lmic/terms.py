@@ -9,7 +9,7 @@ from typing import TypeAlias
 import sympy as sp
 
 from lmic.errors import NotAffineError, Place
-from lmic.expand import Factor, Factors, Selector, canonical
+from lmic.expand import Factor, Factors, Selector, Stacked, canonical
 from lmic.language.declarations import ScalarUnknown
 from lmic.language.nodes import Inverse, Node
 from lmic.lower import SymbolicLMI
@@ -114,5 +114,7 @@ def _require_data(factor: Factor, place: Place) -> None:
 
 
 def _text(coefficient: sp.Expr, factors: Factors) -> str:
-    named = [f"{f.matrix}{'.T' if f.transposed else ''}" for f in factors if not isinstance(f.matrix, Selector)]
+    named = [
+        f"{f.matrix}{'.T' if f.transposed else ''}" for f in factors if not isinstance(f.matrix, Selector | Stacked)
+    ]
     return "*".join(([] if coefficient == 1 else [str(coefficient)]) + named)

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import sympy as sp
 
-from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Node, Zero
+from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Node, Trace, Zero
 
 
 class SymbolicSize(sp.Symbol):
@@ -103,6 +103,11 @@ def inv(matrix: Any) -> Inverse:
 def kron(left: Any, right: Any) -> Kronecker:
     """Kronecker product; at most one operand holds unknowns."""
     return Kronecker(left, right)
+
+
+def trace(matrix: Any) -> Trace:
+    """Sum of the diagonal, as a 1 x 1 matrix: ``mu*I(1) - trace(Z)``."""
+    return Trace(matrix)
 
 
 def block(rows: Sequence[Sequence[Any]]) -> Block:

@@ -376,6 +376,24 @@ class Kronecker(Node):
         return r" \otimes ".join(printer.parenthesize(node, PRECEDENCE["Mul"]) for node in self.nodes)
 
 
+class Trace(Node):
+    """Sum of the diagonal of a square expression, a 1 x 1 matrix."""
+
+    def __new__(cls, operand: Any) -> Trace:
+        node: Trace = sp.Basic.__new__(cls, as_node(operand))
+        return node
+
+    @property
+    def shape(self) -> tuple[sp.Expr, sp.Expr]:
+        return (sp.Integer(1), sp.Integer(1))
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"trace({printer._print(self.nodes[0])})"
+
+    def _latex(self, printer: Any) -> str:
+        return rf"\operatorname{{tr}}({printer._print(self.nodes[0])})"
+
+
 class Block(Node):
     """A matrix of blocks; an entry may be a literal 0."""
 

@@ -12,6 +12,7 @@ from lmic.errors import DefinitionError
 from lmic.language.declarations import Given, ScalarUnknown
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import Parameter
+from lmic.language.systems import Bound, Stable
 
 
 @dataclass(frozen=True)
@@ -45,43 +46,30 @@ class Source:
     authors: str
     title: str
     venue: str
-    year: int
+    year: int | None
     statement: str = ""
     derived: str = ""
 
+    @property
+    def short(self) -> str:
+        """Authors, year and the statement's name."""
+        statement = f", {self.statement}" if self.statement else ""
+        return f"{self.authors} ({self.year or 'n.d.'}){statement}"
+
     def __str__(self) -> str:
         place = f", {self.statement}" if self.statement else ""
-        return f"{self.authors} ({self.year}). {self.title}. {self.venue}{place}."
+        return f"{self.authors} ({self.year or 'n.d.'}). {self.title}. {self.venue}{place}."
 
 
 @dataclass(frozen=True)
-class DiscreteSystem:
-    """x⁺ = A x + B w, z = C x + D w; the matrices may depend on parameters and unknowns."""
+class Bisection:
+    """The best value of a given scalar: LMIs that hold on one side of it are bisected.
 
-    A: Node
-    B: Node
-    C: Node
-    D: Node
-
-
-@dataclass(frozen=True)
-class Bound:
-    """What the theorem promises: the ``norm`` from w to z of ``system`` is below ``report``.
-
-    ``norm`` is "l2 gain", which on frozen parameters is the H∞ norm.
+    ``goal`` is "maximise" where the LMIs hold below the best value, "minimise" where above.
     """
 
-    norm: str
-    system: DiscreteSystem
-    report: str
-
-
-@dataclass(frozen=True)
-class Schur:
-    """The matrix must be Schur stable at every frozen parameter, else no solution exists."""
-
-    matrix: Node
-    because: str
+    scalar: Given
+    goal: str
 
 
 @dataclass(frozen=True)
@@ -100,7 +88,7 @@ class Theorem:
 
     ``lmis`` maps a name to :func:`PD` or :func:`ND` of a block matrix; ``minimise`` is affine in
     the scalar unknowns (``None``: a feasibility condition); ``reports`` are scalar expressions in
-    the optimal unknowns; ``recover`` are the formulas of the design; ``assumes`` are necessary
+    the optimal unknowns; ``bisect`` a given scalar whose best value is sought; ``recover`` are the formulas of the design; ``assumes`` are necessary
     conditions on the data.
     """
 
@@ -108,10 +96,11 @@ class Theorem:
     source: Source
     title: str = ""
     minimise: sp.Expr | None = None
+    bisect: Bisection | None = None
     reports: Mapping[str, sp.Expr] = field(default_factory=dict)
     recover: Mapping[str, Node] = field(default_factory=dict)
     guarantees: Sequence[Bound] = ()
-    assumes: Sequence[Schur] = ()
+    assumes: Sequence[Stable] = ()
     variants: Mapping[str, Variant] = field(default_factory=dict)
     name: str = ""
     description: str = ""
@@ -134,6 +123,12 @@ class Theorem:
             full=frozenset(leaf.name for leaf in choice.full),
             variants={},
         )
+
+    def _repr_latex_(self) -> str:
+        """The block matrices, for notebooks."""
+        from lmic.latex import matrix
+
+        return "$$" + r" \qquad ".join(matrix(lmi) for lmi in self.lmis.values()) + "$$"
 
     # What occurs in the statement -----------------------------------------------------------
 

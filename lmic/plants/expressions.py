@@ -48,7 +48,13 @@ FUNCTIONS: Mapping[str, Any] = {
     "abs": sp.Abs,
 }
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
-_HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh)  # sympy's questions about these grow with what is inside
+#: what may not stand inside a function: sympy's rules for these pairs take any amount of time and memory
+_BANNED_INSIDE: Mapping[Any, tuple[Any, str]] = {
+    sp.exp: (sp.log, "a logarithm"),
+    sp.sinh: (sp.Function, "a function"),
+    sp.cosh: (sp.Function, "a function"),
+    sp.tanh: (sp.Function, "a function"),
+}
 WHERE = "where"
 RESERVED = frozenset({*FUNCTIONS, *CONSTANTS, WHERE})
 
@@ -258,10 +264,9 @@ class _Reader:
     def _apply(self, function: Any, argument_node: ast.expr, node: ast.expr) -> sp.Expr:
         argument = self.expanded(self.read(argument_node), argument_node)
         self.bound(argument, argument_node, (MAX_ARGUMENT_TERMS, MAX_ARGUMENT_DEGREE))
-        if function is sp.exp and _hidden_power(argument) > MAX_DEGREE:
-            raise self._error(node, f"is a power higher than {MAX_DEGREE}; lower the factor of the logarithm")
-        if function in _HYPERBOLIC and argument.has(sp.Function):
-            raise self._error(node, "has a function inside a hyperbolic one; write the latter by exp")
+        banned, what = _BANNED_INSIDE.get(function, (None, ""))
+        if banned and argument.has(banned):
+            raise self._error(node, f"has {what} inside {function.__name__}, which is not permitted; rewrite it")
         if not argument.is_number:
             # unevaluated, because sympy's rules for symbolic arguments can take it any amount of time
             return function(argument, evaluate=False)
@@ -297,11 +302,6 @@ def _is_finite(number: sp.Expr) -> bool:
     """Whether a constant is a real number of a float's range."""
     value = complex(number)
     return math.isfinite(value.real) and value.imag == 0
-
-
-def _hidden_power(argument: sp.Expr) -> sp.Expr:
-    """The largest |c| for which exp(argument) has a factor x**c, from a term c*log(x)."""
-    return max(abs(term.as_coeff_Mul()[0]) if term.has(sp.log) else 0 for term in sp.Add.make_args(argument))
 
 
 def _size(expression: sp.Expr) -> tuple[int, int]:

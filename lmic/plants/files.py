@@ -80,7 +80,9 @@ def plant_from_tables(tables: Mapping[str, Any], path: Path) -> Plant:
     matrices = _table(tables, "matrices", path)
     if not matrices:
         raise PlantError(f"{path} gives no matrix; add a table [matrices]")
-    scalars = {name: _number(value, f"{path}: scalar {name}") for name, value in _table(tables, "scalars", path).items()}
+    scalars = {
+        name: _number(value, f"{path}: scalar {name}") for name, value in _table(tables, "scalars", path).items()
+    }
     domains: dict[str, Domain] = {}
     motions: dict[str, Motion] = {}
     for name, entry in _table(tables, "parameters", path).items():
@@ -154,7 +156,9 @@ def _number(value: Any, where: str) -> Fraction:
         raise PlantError(f"{where}: {error}") from error
 
 
-def _matrix(value: Any, symbols: Mapping[str, sp.Symbol], domains: Mapping[str, Domain], where: str) -> MatrixPolynomial:
+def _matrix(
+    value: Any, symbols: Mapping[str, sp.Symbol], domains: Mapping[str, Domain], where: str
+) -> MatrixPolynomial:
     """A constant matrix, a matrix of expressions, or {vertices = [...]}."""
     if not isinstance(value, dict):
         return MatrixPolynomial.from_sympy(_entries(value, symbols, where))
@@ -188,7 +192,10 @@ def _entries(rows: Any, symbols: Mapping[str, sp.Symbol], where: str) -> sp.Matr
         odd = next(k for k, length in enumerate(lengths) if length != lengths[0])
         raise PlantError(f"{where}: row {odd + 1} has {lengths[odd]} entries but row 1 has {lengths[0]}; complete it")
     return sp.Matrix(
-        [[_entry(e, symbols, f"{where}, entry ({i + 1},{j + 1})") for j, e in enumerate(row)] for i, row in enumerate(rows)]
+        [
+            [_entry(e, symbols, f"{where}, entry ({i + 1},{j + 1})") for j, e in enumerate(row)]
+            for i, row in enumerate(rows)
+        ]
     )
 
 
@@ -210,7 +217,9 @@ def _npz(path: Path) -> Plant:
     try:
         with zipfile.ZipFile(path) as archive:
             if sum(member.file_size for member in archive.infolist()) > SIZE_LIMIT:
-                raise PlantError(f"{path} unpacks to more than {SIZE_LIMIT >> 20} MiB; a plant file holds a few matrices")
+                raise PlantError(
+                    f"{path} unpacks to more than {SIZE_LIMIT >> 20} MiB; a plant file holds a few matrices"
+                )
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
     except (zipfile.BadZipFile, ValueError, EOFError, KeyError, NotImplementedError, RuntimeError) as error:

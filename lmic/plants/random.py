@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import sympy as sp
 
-from lmic.domains import BoxDomain, Domain, SimplexDomain
+from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant
 from lmic.polynomials import MatrixPolynomial, Monomials
@@ -23,7 +23,8 @@ def random_plant(
     """A plant with random rational data, affine in every parameter.
 
     ``sizes`` gives dimensions by name (2 for nx and n, 1 for the others where nothing is said);
-    a simplex gets ``vertices`` vertices, any other domain is the box [-1, 1]^(vertices - 1).
+    a simplex gets ``vertices`` vertices, any other domain is the box [-1, 1]^(vertices - 1); rates
+    are bounded by 1.
     """
     generator = np.random.default_rng(seed)
     domains: dict[str, Domain] = {}
@@ -49,7 +50,8 @@ def random_plant(
         # small entries keep most plants stable
         coefficients = np.vectorize(lambda v: Fraction(int(v), 30), otypes=[object])(values)
         matrices[name] = MatrixPolynomial(monomials, coefficients)
-    return Plant(matrices, domains, name=f"random plant (seed {seed})")
+    motions = {name: Motion(rate=dict.fromkeys(domain.components, 1)) for name, domain in domains.items()}
+    return Plant(matrices, domains, motions, name=f"random plant (seed {seed})")
 
 
 def _default(dimension: str) -> int:

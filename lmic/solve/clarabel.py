@@ -55,7 +55,13 @@ class Clarabel:
             cones,
             settings,
         )
-        solution = solver.solve()
+        try:
+            solution = solver.solve()
+        except BaseException as error:
+            if type(error).__name__ != "PanicException":  # how a Rust panic arrives in Python
+                raise
+            nothing = np.full(len(data.offset), np.nan)
+            return ConeAnswer(Status.FAILED, np.full(size, np.nan), nothing, nothing, 0, "Panic")
         word = str(solution.status)
         return ConeAnswer(
             _STATUS.get(word, Status.FAILED),

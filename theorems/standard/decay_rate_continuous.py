@@ -18,6 +18,7 @@ P = Symmetric("P", n)(rho)
 theorem = Theorem(
     title="Decay rate, continuous time",
     lmis={"decrease": ND(dot(P) + He(P * A) + 2 * beta * P), "P": PD(P)},
+    bisect=Bisection(beta, "maximise"),
     variants={
         "decay_rate_continuous_quadratic": Variant("Quadratic decay rate, continuous time", constant=(P,)),
     },

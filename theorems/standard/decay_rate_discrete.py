@@ -22,6 +22,7 @@ decrease = PD([
 theorem = Theorem(
     title="Decay rate, discrete time",
     lmis={"decrease": decrease},
+    bisect=Bisection(beta, "minimise"),
     variants={"decay_rate_discrete_quadratic": Variant("Quadratic decay rate, discrete time", constant=(P,))},
     source=Source(
         authors="Daafouz, Bernussou",
