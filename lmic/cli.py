@@ -178,11 +178,16 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
                 outcomes[outcome.case.id] = outcome
                 advance(outcome.case.what)
         simulated = [run_simulation(simulation, outcomes) for simulation in table.simulations]
-        figures = [path for one in simulated for path in draw(one, outcomes, output)]
-        records += reporting.reproduction_records(outcomes, simulated)
+        figures = [
+            path
+            for simulation, trajectories in zip(table.simulations, simulated, strict=True)
+            for path in draw(simulation, trajectories, outcomes, output)
+        ]
+        gains = reporting.achieved_gains(table, simulated, outcomes)
+        records += [outcome.record() | {"achieved": gains.get(case)} for case, outcome in outcomes.items()]
         trusted &= all(outcome.result.solution.trusted for outcome in outcomes.values())
         if not as_json:
-            reporting.print_reproduction(table, outcomes, simulated, figures)
+            reporting.print_reproduction(table, outcomes, gains, figures)
     if as_json:
         echo_json(records)
     if not trusted:

@@ -17,20 +17,10 @@ from lmic.errors import DomainError, Place
 from lmic.evaluate import evaluate
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import instance_symbol
-from lmic.language.systems import Bound
+from lmic.language.systems import System
 from lmic.polynomials import MatrixPolynomial
 
 Array: TypeAlias = NDArray[Any]
-
-
-@dataclass(frozen=True)
-class StateSpace:
-    """Matrices of a linear system at K frozen parameters, each of shape (K, rows, cols)."""
-
-    A: Array
-    B: Array
-    C: Array
-    D: Array
 
 
 @dataclass(frozen=True)
@@ -61,10 +51,11 @@ class Design:
         found = {s.name: float(self.x[layout[s.name].offset]) for s in self.binding.theorem.scalar_unknowns}
         return found | {symbol.name: value for symbol, value in self.binding.values.items()}
 
-    def closed_loop(self, bound: Bound, parameters: Mapping[str, Any]) -> StateSpace:
-        """The system of a guarantee at K frozen parameters."""
-        matrices = {key: self.at(node, parameters) for key, node in vars(bound.system).items()}
-        return StateSpace(**matrices)
+    def frozen(self, system: System, parameters: Mapping[str, Any]) -> dict[str, Array]:
+        """The matrices of a system at K parameter values, by name, each of shape (K, rows, cols)."""
+        matrices = {name: self.at(node, parameters) for name, node in vars(system).items()}
+        length = max(len(matrix) for matrix in matrices.values())
+        return {name: np.broadcast_to(m, (length, *m.shape[1:])) for name, m in matrices.items()}
 
     def at(self, node: Node, parameters: Mapping[str, Any]) -> Array:
         """Value of an expression of the theorem, shape (K, rows, cols)."""

@@ -12,9 +12,10 @@ from lmic.assemble import ConicProblem
 from lmic.assumptions import vertex_points
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import CaseTable
-from lmic.papers.reproduce import Outcome, Simulated
+from lmic.papers.reproduce import Outcome, achieved
 from lmic.pipeline import Result
 from lmic.relax.family import LMIFamily
+from lmic.simulate.trajectory import Trajectory
 from lmic.terminal import console, table
 
 # A theorem and its compiled size ------------------------------------------------------------------
@@ -205,49 +206,51 @@ def print_design(result: Result) -> None:
 # Reproductions -----------------------------------------------------------------------------------------
 
 
-def reproduction_records(outcomes: Mapping[str, Outcome], simulated: Sequence[Simulated]) -> list[dict[str, Any]]:
-    """Records of `lmic reproduce --json`."""
-    gains = {case: t.gain for one in simulated for case, t in one.trajectories.items()}
-    return [outcome.record() | {"simulated_gain": gains.get(case)} for case, outcome in outcomes.items()]
+def achieved_gains(
+    cases: CaseTable, simulated: Sequence[Mapping[str, Trajectory]], outcomes: Mapping[str, Outcome]
+) -> dict[str, float]:
+    """What the simulations from rest show of each bounded norm, by case."""
+    return {
+        case: achieved(trajectory, outcomes[case].result)
+        for simulation, trajectories in zip(cases.simulations, simulated, strict=True)
+        if not simulation.boundary
+        for case, trajectory in trajectories.items()
+    }
 
 
 def print_reproduction(
-    cases: CaseTable, outcomes: Mapping[str, Outcome], simulated: Sequence[Simulated], figures: Sequence[Path]
+    cases: CaseTable, outcomes: Mapping[str, Outcome], gains: Mapping[str, float], figures: Sequence[Path]
 ) -> None:
     """A paper's tables beside ours."""
     out = console()
-    gains = {case: t.gain for one in simulated for case, t in one.trajectories.items()}
     by_table: dict[str, list[Outcome]] = {}
     for outcome in outcomes.values():
         by_table.setdefault(outcome.case.table, []).append(outcome)
     for name, rows in by_table.items():
-        shown = table(
-            "case",
-            "paper",
-            "lmic",
-            "difference",
-            "verdict",
-            "violation",
-            "frozen H∞",
-            "simulated gain",
-            title=f"{cases.paper}, {name}",
-        )
+        columns = ("case", "paper", "lmic", "difference", "verdict", "violation", "frozen H∞", "achieved (paper)")
+        shown = table(*columns, title=f"{cases.paper}, {name}")
         for outcome in rows:
-            paper = float(outcome.case.paper)
-            gain, norm = gains.get(outcome.case.id), outcome.frozen_norm
-            shown.add_row(
-                outcome.case.what,
-                str(outcome.case.paper),
-                f"{outcome.value:.7g}",
-                f"{(outcome.value - paper) / paper:+.2%}",
-                outcome.verdict.value,
-                f"{abs(outcome.result.solution.relative_violation):.0e}",
-                "" if norm is None else f"{norm:.4g}",
-                "" if gain is None else f"{gain:.4g}",
-            )
+            shown.add_row(*_reproduction_row(outcome, gains.get(outcome.case.id)))
         out.print(shown)
         for outcome in rows:
             for warning in outcome.result.solution.warnings:
                 out.print(f"[bold red]warning[/bold red] {outcome.case.id}: {warning}")
+    if cases.notes:
+        out.print(cases.notes, style="italic")
     for path in figures:
         out.print(f"figure: {path}", soft_wrap=True)
+
+
+def _reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
+    case, paper = outcome.case, float(outcome.case.paper)
+    printed = f" ({case.paper_gain})" if case.paper_gain is not None else ""
+    return [
+        case.what,
+        str(case.paper),
+        f"{outcome.value:.7g}",
+        "" if case.stand_in else f"{(outcome.value - paper) / paper:+.2%}",
+        outcome.verdict.value,
+        f"{abs(outcome.result.solution.relative_violation):.0e}",
+        "" if outcome.frozen_norm is None else f"{outcome.frozen_norm:.4g}",
+        "" if gain is None else f"{gain:.4g}{printed}",
+    ]

@@ -12,7 +12,7 @@ from lmic.errors import DefinitionError
 from lmic.language.declarations import Given, ScalarUnknown
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import Parameter
-from lmic.language.systems import Bound, Stable
+from lmic.language.systems import Bound, Stable, System
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,9 @@ class Theorem:
 
     ``lmis`` maps a name to :func:`PD` or :func:`ND` of a block matrix; ``minimise`` is affine in
     the scalar unknowns (``None``: a feasibility condition); ``reports`` are scalar expressions in
-    the optimal unknowns; ``bisect`` a given scalar whose best value is sought; ``recover`` are the formulas of the design; ``assumes`` are necessary
-    conditions on the data.
+    the optimal unknowns; ``bisect`` a given scalar whose best value is sought; ``recover`` are the formulas of the design; ``guarantees`` what is
+    promised of which closed loop; ``signals`` further outputs worth seeing in a simulation;
+    ``assumes`` are necessary conditions on the data.
     """
 
     lmis: Mapping[str, LMI]
@@ -100,6 +101,7 @@ class Theorem:
     reports: Mapping[str, sp.Expr] = field(default_factory=dict)
     recover: Mapping[str, Node] = field(default_factory=dict)
     guarantees: Sequence[Bound] = ()
+    signals: Mapping[str, System] = field(default_factory=dict)
     assumes: Sequence[Stable] = ()
     variants: Mapping[str, Variant] = field(default_factory=dict)
     name: str = ""
@@ -140,8 +142,9 @@ class Theorem:
     @property
     def extras(self) -> list[Node]:
         """Matrix expressions outside the LMIs: recovery, guarantees, assumptions."""
-        systems = [node for bound in self.guarantees for node in vars(bound.system).values()]
-        return [*self.recover.values(), *systems, *(condition.matrix for condition in self.assumes)]
+        systems = [*(bound.system for bound in self.guarantees), *self.signals.values()]
+        matrices = [node for system in systems for node in vars(system).values()]
+        return [*self.recover.values(), *matrices, *(condition.matrix for condition in self.assumes)]
 
     def _declarations(self, role: str, nodes: Sequence[Node]) -> dict[str, Leaf]:
         found: dict[str, Leaf] = {}

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 from lmic.errors import LibraryError
 from lmic.library import root
+from lmic.relax.grid import Grid
+from lmic.relax.relax import Relaxation
 
 
 @dataclass(frozen=True)
 class Case:
     """One number of a paper.
 
-    ``paper`` is the value as printed; ``given`` the scalars; ``reference`` the known optimum,
-    which only tests read.
+    ``paper`` is the value as printed and ``paper_gain`` the gain it simulated; ``given`` are the
+    scalars; ``below`` is the case whose optimum is a lower bound on this one's; ``stand_in`` says
+    that the paper's data are lost; ``reference`` is the known optimum, which only tests read.
     """
 
     id: str
@@ -29,12 +32,16 @@ class Case:
     report: str
     paper: Decimal
     given: Mapping[str, Any]
+    relaxation: Relaxation
+    below: str | None
+    stand_in: bool
+    paper_gain: Decimal | None
     reference: Decimal | None
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A figure: the signals to show ("e", "w" or a parameter's name)."""
+    """A figure: the signals to show ("e", "w", "x3" for a state's component, or a name)."""
 
     id: str
     title: str
@@ -45,13 +52,16 @@ class Panel:
 class Simulation:
     """Closed loops of several cases under one disturbance and one parameter trajectory.
 
-    ``w`` and ``parameters`` are expressions in the step k, one per component.
+    ``size`` is the number of steps, or of places in both directions; ``w``, ``parameters``,
+    ``boundary`` (2-D) and ``delay`` are expressions in the step k or the place (i, j).
     """
 
     cases: tuple[str, ...]
-    steps: int
+    size: tuple[int, ...]
     w: tuple[str, ...]
     parameters: Mapping[str, tuple[str, ...]]
+    boundary: tuple[str, ...]
+    delay: Mapping[str, str]
     figures: tuple[Panel, ...]
 
 
@@ -61,6 +71,7 @@ class CaseTable:
 
     group: str
     paper: str
+    notes: str
     cases: tuple[Case, ...]
     simulations: tuple[Simulation, ...]
 
@@ -71,7 +82,7 @@ def case_tables() -> list[CaseTable]:
 
 
 def select(names: tuple[str, ...]) -> list[CaseTable]:
-    """The tables reduced to the cases whose id starts with one of ``names`` (all without names)."""
+    """The tables reduced to the cases whose id begins with one of ``names`` (all without names)."""
     tables = case_tables()
     if not names:
         return tables
@@ -81,11 +92,12 @@ def select(names: tuple[str, ...]) -> list[CaseTable]:
             raise LibraryError(f"no case is called '{name}'; the cases are {', '.join(known)}")
     reduced = []
     for table in tables:
-        cases = tuple(case for case in table.cases if any(_matches(case.id, name) for name in names))
-        kept = {case.id for case in cases}
-        simulations = tuple(s for s in table.simulations if kept.issuperset(s.cases))
+        wanted = {case.id for case in table.cases if any(_matches(case.id, name) for name in names)}
+        wanted |= {case.below for case in table.cases if case.id in wanted and case.below}
+        cases = tuple(case for case in table.cases if case.id in wanted)
+        simulations = tuple(s for s in table.simulations if wanted.issuperset(s.cases))
         if cases:
-            reduced.append(CaseTable(table.group, table.paper, cases, simulations))
+            reduced.append(replace(table, cases=cases, simulations=simulations))
     return reduced
 
 
@@ -100,6 +112,7 @@ def read_cases(path: Path) -> CaseTable:
     return CaseTable(
         group,
         table["paper"],
+        table.get("notes", ""),
         tuple(_case(entry, path, group) for entry in table.get("case", [])),
         tuple(_simulation(entry, group) for entry in table.get("simulation", [])),
     )
@@ -115,15 +128,28 @@ def _case(entry: Mapping[str, Any], path: Path, group: str) -> Case:
         report=entry["report"],
         paper=Decimal(entry["paper"]),
         given=entry.get("set", {}),
+        relaxation=_relaxation(entry),
+        below=f"{group}.{entry['below']}" if "below" in entry else None,
+        stand_in=entry.get("stand_in", False),
+        paper_gain=Decimal(entry["paper_gain"]) if "paper_gain" in entry else None,
         reference=Decimal(entry["reference"]) if "reference" in entry else None,
     )
 
 
+def _relaxation(entry: Mapping[str, Any]) -> Relaxation:
+    grids: dict[str, Grid | int] = dict(entry.get("grid", {}))
+    grids |= {name: Grid.at(points) for name, points in entry.get("points", {}).items()}
+    return Relaxation(entry.get("relax", {}), entry.get("polya", 0), grids, entry.get("ties", {}))
+
+
 def _simulation(entry: Mapping[str, Any], group: str) -> Simulation:
+    size = entry["size"]
     return Simulation(
         cases=tuple(f"{group}.{case}" for case in entry["cases"]),
-        steps=entry["steps"],
+        size=(size,) if isinstance(size, int) else tuple(size),
         w=tuple(entry["w"]),
         parameters={name: tuple(texts) for name, texts in entry["parameters"].items()},
-        figures=tuple(Panel(f"{group}.{f['id']}", f["title"], tuple(f["show"])) for f in entry["figures"]),
+        boundary=tuple(entry.get("boundary", ())),
+        delay={f"{group}.{case}": text for case, text in entry.get("delay", {}).items()},
+        figures=tuple(Panel(f"{group}.{f['id']}", f["title"], tuple(f["show"])) for f in entry.get("figures", [])),
     )

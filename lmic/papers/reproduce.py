@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
+from lmic.assumptions import vertex_points
+from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
-from lmic.norms import h_infinity
+from lmic.norms import frozen_gain
 from lmic.papers.cases import Case, CaseTable, Simulation
+from lmic.papers.signals import signal
 from lmic.pipeline import Result, compile, run
-from lmic.plants.expressions import parse
 from lmic.plants.files import read_plant
-from lmic.polynomials import atom_values
-from lmic.simulate import Trajectory, simulate
+from lmic.simulate.discrete import simulate_discrete
+from lmic.simulate.plane import simulate_plane
+from lmic.simulate.trajectory import Trajectory
 
 
 class Verdict(StrEnum):
@@ -27,6 +29,8 @@ class Verdict(StrEnum):
     REPRODUCED = "reproduced"
     BETTER = "lmic better"
     WORSE = "not reached"
+    REFUTED = "refuted for the printed data"
+    STAND_IN = "data lost, stand-in"
     UNTRUSTED = "not to be trusted"
 
 
@@ -58,56 +62,71 @@ class Outcome:
         }
 
 
-@dataclass(frozen=True)
-class Simulated:
-    """The trajectories of a simulation by case id."""
-
-    simulation: Simulation
-    trajectories: dict[str, Trajectory] = field(default_factory=dict)
-
-
 def reproduce(table: CaseTable) -> Iterator[Outcome]:
-    """Solve the cases of a table one after another."""
+    """Solve the cases of a table one after another; a lower bound stands before what it bounds."""
+    bounds: dict[str, float] = {}
     for case in table.cases:
-        problem = compile(theorem(case.theorem), read_plant(case.plant), case.given)
+        problem = compile(theorem(case.theorem), read_plant(case.plant), case.given, relaxation=case.relaxation)
         result = run(problem)
         value = result.reports.get(case.report, float("nan"))
-        yield Outcome(case, result, value, verdict(value, case.paper, result.solution.trusted), _frozen_norm(result))
+        trusted = result.solution.trusted
+        if trusted:
+            bounds[case.id] = value
+        yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(result))
 
 
-def verdict(value: float, paper: Decimal, trusted: bool) -> Verdict:
+def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:
     """Reproduced means: equal to the paper's value in the digits that it prints."""
     if not trusted:
         return Verdict.UNTRUSTED
-    unit = Decimal(1).scaleb(int(paper.as_tuple().exponent))
-    difference = Decimal(value) - paper
-    if abs(difference) <= unit / 2:
+    if case.stand_in:
+        return Verdict.STAND_IN
+    half_unit = Decimal(1).scaleb(int(case.paper.as_tuple().exponent)) / 2
+    difference = Decimal(value) - case.paper
+    if abs(difference) <= half_unit:
         return Verdict.REPRODUCED
-    return Verdict.BETTER if difference < 0 else Verdict.WORSE
+    if difference < 0:
+        return Verdict.BETTER
+    below = bounds.get(case.below) if case.below else value
+    return Verdict.REFUTED if below and Decimal(below) > case.paper + half_unit else Verdict.WORSE
 
 
 def _frozen_norm(result: Result) -> float | None:
-    """Largest frozen H∞ norm over the vertices of the domain."""
-    bounds = result.theorem.guarantees
+    """Largest frozen gain over the vertices of the domain, where the theorem bounds a gain."""
+    bounds = [bound for bound in result.theorem.guarantees if bound.norm == "l2 gain"]
     if not bounds or not result.solution.status.usable:
         return None
-    points = {name: domain.vertices for name, domain in result.problem.binding.domains.items()}
-    return float(h_infinity(result.design.closed_loop(bounds[0], points)).max())
+    gains = frozen_gain(result.design, bounds[0].system, vertex_points(result.problem.binding.domains))
+    return None if gains is None else float(gains.max())
 
 
-def run_simulation(simulation: Simulation, outcomes: dict[str, Outcome]) -> Simulated:
-    """Drive the closed loop of every case with the same signals."""
-    w = signal(simulation.w, simulation.steps)
-    parameters = {name: signal(texts, simulation.steps) for name, texts in simulation.parameters.items()}
-    trajectories = {}
-    for case in simulation.cases:
-        result = outcomes[case].result
-        trajectories[case] = simulate(result.design, result.theorem.guarantees[0], w, parameters)
-    return Simulated(simulation, trajectories)
+def run_simulation(simulation: Simulation, outcomes: Mapping[str, Outcome]) -> dict[str, Trajectory]:
+    """The closed loops of the simulation's cases, all driven by the same signals; by case id."""
+    w = signal(simulation.w, simulation.size)
+    parameters = {name: signal(texts, simulation.size) for name, texts in simulation.parameters.items()}
+    return {case: _trajectory(simulation, case, outcomes[case].result, w, parameters) for case in simulation.cases}
 
 
-def signal(texts: tuple[str, ...], steps: int) -> Any:
-    """Values of expressions in the step k at k = 0 … steps - 1, shape (steps, components)."""
-    k = sp.Symbol("k")
-    values = {k: np.arange(steps, dtype=float)}
-    return np.column_stack([np.broadcast_to(atom_values(parse(text, {"k": k}), values), (steps,)) for text in texts])
+def _trajectory(simulation: Simulation, case: str, result: Result, w: Any, parameters: Mapping[str, Any]) -> Trajectory:
+    system = result.theorem.guarantees[0].system
+    others = {}
+    if isinstance(system, FornasiniMarchesini):
+        edge = signal(simulation.boundary, simulation.size[:1]) if simulation.boundary else None
+        state, e = simulate_plane(result.design, system, w, parameters, edge)
+    elif isinstance(system, (DiscreteSystem, DelaySystem)):
+        delay = signal([simulation.delay[case]], simulation.size)[:, 0] if case in simulation.delay else None
+        delay = None if delay is None else np.round(delay)
+        state, e = simulate_discrete(result.design, system, w, parameters, delay)
+        others = {
+            name: simulate_discrete(result.design, other, w, parameters, delay)[1]
+            for name, other in result.theorem.signals.items()
+            if isinstance(other, (DiscreteSystem, DelaySystem))
+        }
+    else:
+        raise NotImplementedError(f"no simulation of a {type(system).__name__}")
+    return Trajectory(w, e, state, parameters, others)
+
+
+def achieved(trajectory: Trajectory, result: Result) -> float:
+    """What the trajectory shows of the bounded norm: its gain, or its peak for an energy-to-peak norm."""
+    return trajectory.peak if result.theorem.guarantees[0].norm == "energy to peak" else trajectory.gain

@@ -30,7 +30,7 @@ MAX_NODES = 500  # operators, names, numbers and calls
 MAX_DEPTH = 50  # operations inside one another
 MAX_CALLS = 3  # functions inside one another: sympy's time is exponential in this
 MAX_DEGREE, MAX_TERMS = 50, 500  # of the expression multiplied out
-MAX_ARGUMENT_DEGREE, MAX_ARGUMENT_TERMS = 10, 20  # of a function's argument multiplied out
+MAX_ARGUMENT_DEGREE, MAX_ARGUMENT_TERMS = 5, 20  # of a function's argument multiplied out
 MAX_DIGITS = 100  # characters of a literal
 MAX_EXPONENT = 200  # of a literal, in powers of ten
 MAX_BITS = 1024  # of a numerator or denominator, so that every number has a finite float
@@ -161,13 +161,13 @@ def _syntax_tree(text: str) -> ast.expr:
     except (SyntaxError, ValueError, MemoryError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else "it cannot be parsed"
         raise ExpressionError(f"{quoted(text)} is not an expression ({reason}); correct its syntax") from None
-    for size, limit, what in (
+    for found, limit, what in (
         (sum(1 for node in ast.walk(tree) if isinstance(node, ast.expr)), MAX_NODES, "parts"),
         (_height(tree, lambda node: isinstance(node, ast.expr)), MAX_DEPTH, "operations inside one another"),
         (_height(tree, _is_function_call), MAX_CALLS, "functions inside one another"),
     ):
-        if size > limit:
-            raise ExpressionError(f"{quoted(text)} has {size} {what}; use at most {limit}")
+        if found > limit:
+            raise ExpressionError(f"{quoted(text)} has {found} {what}; use at most {limit}")
     return tree
 
 
@@ -226,7 +226,7 @@ class _Reader:
 
     def bound(self, expression: sp.Expr, node: ast.expr, limits: tuple[int, int] = (MAX_TERMS, MAX_DEGREE)) -> None:
         """Refuse what would grow out of hand when multiplied out, and numbers without a finite float."""
-        terms, degree = _size(expression)
+        terms, degree = size(expression)
         if terms > limits[0] or degree > limits[1]:
             raise self._error(node, f"is too large multiplied out; keep to {limits[0]} terms and degree {limits[1]}")
         numbers = expression.atoms(sp.Rational)
@@ -268,8 +268,9 @@ class _Reader:
         if banned and argument.has(banned):
             raise self._error(node, f"has {what} inside {function.__name__}, which is not permitted; rewrite it")
         if not argument.is_number:
-            # unevaluated, because sympy's rules for symbolic arguments can take it any amount of time
-            return function(argument, evaluate=False)
+            # unevaluated, because sympy's rules for symbolic arguments can take it any amount of time;
+            # expanded, because the logarithm of a product becomes a sum
+            return sp.expand(function(argument, evaluate=False))
         value = function(argument)
         if not _is_finite(value):
             raise self._error(node, "is not a finite real number; correct the argument")
@@ -304,14 +305,14 @@ def _is_finite(number: sp.Expr) -> bool:
     return math.isfinite(value.real) and value.imag == 0
 
 
-def _size(expression: sp.Expr) -> tuple[int, int]:
+def size(expression: sp.Expr) -> tuple[int, int]:
     """Bounds on the number of terms and on the degree once multiplied out; a function is one factor."""
     match expression:
         case sp.Add(args=parts) | sp.Mul(args=parts):
-            terms, degrees = zip(*map(_size, parts), strict=True)
+            terms, degrees = zip(*map(size, parts), strict=True)
             return (sum(terms), max(degrees)) if expression.is_Add else (math.prod(terms), sum(degrees))
         case sp.Pow(base=base, exp=exponent) if exponent.is_Rational:
-            count, degree = _size(base)
+            count, degree = size(base)
             times = math.ceil(abs(exponent))
             return math.comb(count + times - 1, times), degree * times
         case _:

@@ -1,278 +1,443 @@
 """Plant files: TOML, JSON, NumPy .npz and MATLAB .mat. They are data and never run anything.
 
-In text files a decimal is the rational it is written as (0.1 is 1/10); in .npz and .mat a float is
-its exact dyadic value.
+A text file (JSON has the same structure)::
+
+    name = "Two-mass system"                        # optional, like source
+    [parameters.alpha]
+    simplex = 2                                     # two vertices; the components are alpha1, alpha2
+    step = 0.1                                      # optional: bounds on the motion, "free" or "constant"
+    [parameters.rho]
+    box = { rho1 = [-1, 1], rho2 = [0, "1/3"] }
+    rate = { rho1 = 2, rho2 = [-1, 0.5] }           # optional: bounds on the derivative
+    [scalars]
+    c = 10                                          # a default, which may be changed when solving
+    [matrices]
+    A = { vertices = [[[0.43, 0], [1, "c/2"]], [[0.1, 0.9], [0, 0.05]]] }
+    B = [["1 + 0.5*rho1", "sin(rho2)"], [0, "c"]]   # expressions in components and scalars
+    C = [[1, 0]]
+
+Vertices belong to the only simplex, or to the one that ``parameter = "alpha"`` beside them names;
+their entries are numbers and expressions in the scalars. A decimal is the rational that it is
+written as: 0.1 is 1/10.
+
+An array file holds its matrices by name: two-dimensional ones are constant, three-dimensional ones
+are vertices, which the first axis counts in .npz and the last, as in A(:,:,i), in .mat. The texts
+``parameter`` ("alpha" if absent), ``name`` and ``source`` are optional. A float is the dyadic
+rational that it stores: 0.1 is 3602879701896397/2**55.
 """
 
 from __future__ import annotations
 
 import json
+import keyword
+import os
+import re
+import struct
 import tomllib
 import zipfile
-from collections.abc import Mapping, Sequence
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from fractions import Fraction
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
-from lmic.errors import DomainError, ExpressionError, PlantError
-from lmic.plants.expressions import parse
+from lmic.errors import DomainError, PlantError
+from lmic.plants.expressions import RESERVED, decimal, parse, quoted, size
 from lmic.plants.plant import Plant, exact_number, vertex_polynomial
 from lmic.polynomials import MatrixPolynomial
 
-#: bytes that a plant file may have, unpacked
-SIZE_LIMIT = 16 * 2**20
+Array: TypeAlias = NDArray[Any]
 
-_TOP = {"name", "source", "parameters", "scalars", "matrices"}
-_PARAMETER = {"simplex", "box", "step", "rate"}
+MAX_BYTES = 4 * 2**20  # of a file, packed and unpacked
+MAX_VERTICES = 1000  # of a simplex
+MAX_COEFFICIENTS = 10**7  # of a matrix of expressions
+MAX_DOTS = 32  # of a line of TOML, decimal points apart
+
+_DECIMAL_POINT = re.compile(r"(?<![\w.])\d+\.\d")
 
 
-def read_plant(path: Path | str) -> Plant:
-    """The plant of a .toml, .json, .npz or .mat file; raises PlantError naming file, matrix and entry."""
-    path = Path(path)
-    readers = {".toml": _toml, ".json": _json, ".npz": _npz, ".mat": _mat}
-    if path.suffix not in readers:
-        raise PlantError(f"{path} is no plant file; its name must end in {', '.join(readers)}")
+def read_plant(path: str | os.PathLike[str]) -> Plant:
+    """The plant that a .toml, .json, .npz or .mat file states.
+
+    Raises PlantError, naming the file and the matrix and entry in it, for whatever is wrong.
+    """
+    file = Path(path)
+    with _at(str(file)):
+        reader = _READERS.get(file.suffix.lower())
+        if reader is None:
+            raise PlantError(f"'{file.suffix}' is not the suffix of a plant file; use {', '.join(_READERS)}")
+        plant = reader(_content(file), file.stem)
+        if not plant.matrices:
+            raise PlantError("states no matrix; give at least one")
+        return plant
+
+
+@contextmanager
+def _at(place: str) -> Iterator[None]:
+    """Names the place in every error about data that is raised inside."""
     try:
-        if path.stat().st_size > SIZE_LIMIT:
-            raise PlantError(f"{path} has more than {SIZE_LIMIT >> 20} MiB; a plant file holds a few matrices")
-        return readers[path.suffix](path)
-    except OSError as error:
-        raise PlantError(f"{path} cannot be read: {error.strerror or error}; check the path") from error
+        yield
+    except (PlantError, DomainError) as error:
+        raise PlantError(f"{place}: {error}") from error
+
+
+@contextmanager
+def _readable(advice: str) -> Iterator[None]:
+    """Turns whatever a library raises on damaged data, which is almost anything, into a PlantError."""
+    try:
+        yield
+    except PlantError:
+        raise
+    except Exception as error:
+        raise PlantError(f"cannot be read ({error}); {advice}") from error
+
+
+def _content(file: Path) -> bytes:
+    try:
+        if file.exists() and not file.is_file():
+            raise PlantError("is not a file; give the path of a plant file")
+        with file.open("rb") as stream:
+            content = stream.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise PlantError(f"cannot be read ({reason}); check the path and its permissions") from error
+    _refuse_size(len(content))
+    return content
+
+
+def _refuse_size(size: int) -> None:
+    if size > MAX_BYTES:
+        raise PlantError(f"holds more than {MAX_BYTES >> 20} MiB of data; a plant file holds a few matrices")
 
 
 # Text files ------------------------------------------------------------------------------------------
 
 
-def _toml(path: Path) -> Plant:
+class Numeral(str):
+    """A decimal number of a text file, as written."""
+
+    __slots__ = ()
+
+
+def _read_toml(content: bytes, stem: str) -> Plant:
+    text = _text(content)
+    for number, line in enumerate(text.splitlines(), 1):
+        # tomllib's time and memory are quadratic in the number of parts of a dotted key
+        if line.count(".") - len(_DECIMAL_POINT.findall(line)) > MAX_DOTS:
+            raise PlantError(f"line {number} has more than {MAX_DOTS} dots beside decimal points; break it up")
     try:
-        return plant_from_tables(tomllib.loads(_text(path), parse_float=Fraction), path)
-    except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
-        raise PlantError(f"{path} is not valid TOML: {error}; correct it there") from error
+        document = tomllib.loads(text, parse_float=Numeral)
+    except (ValueError, RecursionError) as error:
+        raise PlantError(f"is not valid TOML: {error}; correct it there") from error
+    return _plant_of_tables(document, stem)
 
 
-def _json(path: Path) -> Plant:
-    def refuse(word: str) -> None:
-        raise ValueError(f"{word} is not a finite number")
-
+def _read_json(content: bytes, stem: str) -> Plant:
     try:
-        tables = json.loads(_text(path), parse_float=Fraction, parse_constant=refuse)
-    except (json.JSONDecodeError, ValueError, RecursionError) as error:
-        raise PlantError(f"{path} is not valid JSON: {error}; correct it there") from error
-    if not isinstance(tables, dict):
-        raise PlantError(f"{path} does not hold a JSON object; write {{'matrices': {{...}}}}")
-    return plant_from_tables(tables, path)
+        document = json.loads(
+            _text(content), parse_float=Numeral, parse_constant=Numeral, object_pairs_hook=_object_without_repetition
+        )
+    except (ValueError, RecursionError) as error:
+        raise PlantError(f"is not valid JSON: {error}; correct it there") from error
+    return _plant_of_tables(document, stem)
 
 
-def _text(path: Path) -> str:
+def _text(content: bytes) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise PlantError(f"{path} is not a UTF-8 text file; save it as UTF-8") from error
+        raise PlantError(f"is not UTF-8 text (byte {error.start}); save it as UTF-8") from error
 
 
-def plant_from_tables(tables: Mapping[str, Any], path: Path) -> Plant:
-    """A plant from the tables of a text file."""
-    _only(tables, _TOP, f"{path}", "the file")
-    matrices = _table(tables, "matrices", path)
-    if not matrices:
-        raise PlantError(f"{path} gives no matrix; add a table [matrices]")
-    scalars = {
-        name: _number(value, f"{path}: scalar {name}") for name, value in _table(tables, "scalars", path).items()
-    }
+def _object_without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        repeated, _ = Counter(key for key, _ in pairs).most_common(1)[0]
+        raise ValueError(f"the key {quoted(repeated)} occurs twice in one object")
+    return table
+
+
+def _plant_of_tables(document: Any, stem: str) -> Plant:
+    document = _table(document, {"name", "source", "parameters", "scalars", "matrices"})
+    texts = {"name": document.get("name", stem), "source": document.get("source", "")}
+    for key, text in texts.items():
+        if type(text) is not str:
+            raise PlantError(f"{key} is {quoted(text)}; give a text in quotation marks")
     domains: dict[str, Domain] = {}
     motions: dict[str, Motion] = {}
-    for name, entry in _table(tables, "parameters", path).items():
-        where = f"{path}: parameter {name}"
-        try:
-            domains[name] = _domain(name, entry, where)
-            motions[name] = _motion(entry, domains[name], where)
-        except DomainError as error:
-            raise DomainError(f"{where}: {error}") from error
-    names = [c for domain in domains.values() for c in domain.components]
-    twice = sorted({name for name in [*names, *scalars] if [*names, *scalars].count(name) > 1})
-    if twice:
-        raise PlantError(f"{path}: {twice[0]} names two things among components and scalars; rename one")
-    symbols = {name: sp.Symbol(name) for name in [*names, *scalars]}
-    read = {name: _matrix(value, symbols, domains, f"{path}: matrix {name}") for name, value in matrices.items()}
-    return Plant(read, domains, motions, scalars, str(tables.get("name", path.stem)), str(tables.get("source", "")))
+    for name, entry in _named(document, "parameters"):
+        with _at(f"parameter {name}"):
+            keys = _table(entry, {"simplex", "box", "step", "rate"})
+            domains[name] = _domain(name, keys)
+            motions[name] = _motion(keys, domains[name])
+    scalars = {}
+    for name, entry in _named(document, "scalars"):
+        with _at(f"scalar {name}"):
+            scalars[name] = _number(entry)
+    plant = Plant({}, domains, motions, scalars, **texts)
+    matrices = {}
+    for name, entry in _named(document, "matrices"):
+        with _at(f"matrix {name}"):
+            matrices[name] = _matrix(entry, plant)
+    return replace(plant, matrices=matrices)
 
 
-def _only(table: Mapping[str, Any], known: set[str], where: str, what: str) -> None:
-    for key in table:
-        if key not in known:
-            raise PlantError(f"{where}: '{key}' means nothing in {what}; the keys are {', '.join(sorted(known))}")
+def _table(entry: Any, keys: set[str]) -> dict[str, Any]:
+    if not isinstance(entry, dict):
+        raise PlantError(f"{quoted(entry)} is not a table; give one with keys among {', '.join(sorted(keys))}")
+    unknown = sorted(set(entry) - keys)
+    if unknown:
+        raise PlantError(f"the key {quoted(unknown[0])} means nothing here; the keys are {', '.join(sorted(keys))}")
+    return entry
 
 
-def _table(tables: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:
-    found = tables.get(key, {})
-    if not isinstance(found, dict):
-        raise PlantError(f"{path}: '{key}' is not a table; write [{key}]")
+def _named(document: Mapping[str, Any], key: str) -> list[tuple[str, Any]]:
+    """The items of a table whose keys are names."""
+    table = document.get(key, {})
+    if not isinstance(table, dict):
+        raise PlantError(f"{key} is {quoted(table)}; give a table of names")
+    return [(_name(name), entry) for name, entry in table.items()]
+
+
+def _name(name: str) -> str:
+    if not name.isidentifier() or keyword.iskeyword(name) or name in RESERVED:
+        raise PlantError(f"{quoted(name)} cannot be a name; use letters, digits and _, and no reserved word")
+    return name
+
+
+def _domain(name: str, entry: Mapping[str, Any]) -> Domain:
+    match entry.get("simplex"), entry.get("box"):
+        case int(vertices), None if not isinstance(vertices, bool):
+            return _new_simplex(name, vertices)
+        case None, dict(sides):
+            ends = []
+            for component, side in sides.items():
+                with _at(f"component {_name(component)}"):
+                    ends.append(_interval(side))
+            return BoxDomain(tuple(sides), tuple(low for low, _ in ends), tuple(high for _, high in ends))
+    raise PlantError(f"has no domain; give either simplex = number of vertices or box = {{{name}1 = [-1, 1], ...}}")
+
+
+def _new_simplex(name: str, vertices: int) -> SimplexDomain:
+    if not 0 < vertices <= MAX_VERTICES:
+        raise PlantError(f"has {vertices} vertices; a simplex has from 1 to {MAX_VERTICES}")
+    return SimplexDomain.named(name, vertices)
+
+
+def _motion(entry: Mapping[str, Any], domain: Domain) -> Motion:
+    step, rate = entry.get("step"), entry.get("rate")
+    if step is not None and step not in ("free", "constant"):
+        step = _bounds(step, domain, "step")
+    return Motion(step, None if rate is None else _bounds(rate, domain, "rate"))
+
+
+def _bounds(entry: Any, domain: Domain, what: str) -> dict[str, Any]:
+    """Bounds by component: a number, or a pair (lowest, highest)."""
+    bounds = entry if isinstance(entry, dict) else dict.fromkeys(domain.components, entry)
+    if set(bounds) != set(domain.components):
+        raise PlantError(f"{what} does not bound the components {', '.join(domain.components)}; bound these, no other")
+    found: dict[str, Any] = {}
+    for component, bound in bounds.items():
+        with _at(f"{what} of {component}"):
+            found[component] = _interval(bound) if isinstance(bound, list) else _number(bound)
     return found
 
 
-def _domain(name: str, entry: Any, where: str) -> Domain:
-    if not isinstance(entry, dict) or ("simplex" in entry) == ("box" in entry):
-        raise PlantError(f"{where} needs either simplex = N or box = {{...}}")
-    _only(entry, _PARAMETER, where, "a parameter")
-    if "simplex" in entry:
-        count = entry["simplex"]
-        if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= 1000:
-            raise DomainError(f"a simplex has a whole number of vertices from 1, not {count!r}")
-        return SimplexDomain.named(name, count)
-    box = entry["box"]
-    if not isinstance(box, dict) or not all(isinstance(side, list) and len(side) == 2 for side in box.values()):
-        raise DomainError("a box is written {rho1 = [-1, 1], rho2 = [0, 2]}")
-    ends = {c: [_number(end, f"{where}, component {c}") for end in side] for c, side in box.items()}
-    return BoxDomain(tuple(ends), tuple(e[0] for e in ends.values()), tuple(e[1] for e in ends.values()))
+def _interval(side: Any) -> tuple[Fraction, Fraction]:
+    if not isinstance(side, list) or len(side) != 2:
+        raise PlantError(f"{quoted(side)} is not an interval; write [lowest, highest]")
+    return _number(side[0]), _number(side[1])
 
 
-def _motion(entry: Mapping[str, Any], domain: Domain, where: str) -> Motion:
-    step, rate = entry.get("step"), entry.get("rate")
-    if isinstance(step, str) and step not in ("free", "constant"):
-        raise DomainError(f"step = '{step}' is unknown; write 'free', 'constant' or bounds for each component")
-    return Motion(
-        step if step is None or isinstance(step, str) else _bounds(step, domain, f"{where}, step"),
-        None if rate is None else _bounds(rate, domain, f"{where}, rate"),
-    )
+def _number(entry: Any) -> Fraction:
+    return decimal(entry) if isinstance(entry, Numeral) else exact_number(entry)
 
 
-def _bounds(bounds: Any, domain: Domain, where: str) -> dict[str, Any]:
-    """Bounds for each component: a number for all, or {rho1 = 0.1, rho2 = [-0.1, 0.3]}."""
-    table = bounds if isinstance(bounds, dict) else dict.fromkeys(domain.components, bounds)
-    unknown = sorted(set(table) - set(domain.components))
-    if unknown:
-        raise PlantError(f"{where}: {unknown[0]} is no component; they are {', '.join(domain.components)}")
-    return {c: [_number(v, where) for v in b] if isinstance(b, list) else _number(b, where) for c, b in table.items()}
+def _matrix(entry: Any, plant: Plant) -> MatrixPolynomial:
+    """A matrix of numbers and expressions, or the vertices of one."""
+    scalars = {name: sp.Symbol(name) for name in plant.scalars}
+    if not isinstance(entry, dict):
+        components = (name for domain in plant.domains.values() for name in domain.components)
+        return _polynomial(_entries(entry, scalars | {name: sp.Symbol(name) for name in components}))
+    entry = _table(entry, {"vertices", "parameter"})
+    domain = _simplex(entry.get("parameter"), plant.domains)
+    given, count = entry.get("vertices"), len(domain.components)
+    if not isinstance(given, list) or len(given) != count:
+        number = len(given) if isinstance(given, list) else "no"
+        raise PlantError(f"has {number} vertices where its parameter has {count}; give a list with a matrix for each")
+    vertices = []
+    for number, vertex in enumerate(given, 1):
+        with _at(f"vertex {number}"):
+            vertices.append(_entries(vertex, scalars))
+            if vertices[-1].shape != vertices[0].shape:
+                sizes = f"{_shape(vertices[-1])} where vertex 1 is {_shape(vertices[0])}"
+                raise PlantError(f"is {sizes}; make all vertices equally large")
+    return _vertex_sum(np.array(vertices), domain)
 
 
-def _number(value: Any, where: str) -> Fraction:
-    try:
-        return exact_number(value)
-    except PlantError as error:
-        raise PlantError(f"{where}: {error}") from error
+def _simplex(name: Any, domains: Mapping[str, Domain]) -> Domain:
+    """The simplex of that name, or the only one."""
+    simplexes = {key: domain for key, domain in domains.items() if isinstance(domain, SimplexDomain)}
+    if name is None and len(simplexes) == 1:
+        (domain,) = simplexes.values()
+        return domain
+    if not isinstance(name, str) or name not in simplexes:
+        known = ", ".join(simplexes) or "a simplex that [parameters] must state first"
+        raise PlantError(f"has vertices without a simplex; add parameter = one of: {known}")
+    return simplexes[name]
 
 
-def _matrix(
-    value: Any, symbols: Mapping[str, sp.Symbol], domains: Mapping[str, Domain], where: str
-) -> MatrixPolynomial:
-    """A constant matrix, a matrix of expressions, or {vertices = [...]}."""
-    if not isinstance(value, dict):
-        return MatrixPolynomial.from_sympy(_entries(value, symbols, where))
-    _only(value, {"vertices", "parameter"}, where, "a matrix")
-    simplexes = {name: domain for name, domain in domains.items() if domain.kind == "simplex"}
-    name = value.get("parameter", next(iter(simplexes), None) if len(simplexes) == 1 else None)
-    if name not in simplexes:
-        known = ", ".join(simplexes) or "none; add [parameters.alpha] with simplex = N"
-        raise PlantError(f"{where} has vertices of which simplex? Give parameter = one of: {known}")
-    vertices = value.get("vertices")
-    components = simplexes[name].components
-    if not isinstance(vertices, list) or len(vertices) != len(components):
-        count = len(vertices) if isinstance(vertices, list) else "no list of"
-        raise PlantError(f"{where} has {count} vertices but {name} has {len(components)}; give one matrix for each")
-    read = [_entries(v, symbols, f"{where}, vertex {k + 1}") for k, v in enumerate(vertices)]
-    if len({matrix.shape for matrix in read}) > 1:
-        raise PlantError(f"{where}: its vertices have different sizes; give them all the same")
-    if all(matrix == read[0] for matrix in read):
-        return MatrixPolynomial.from_sympy(read[0])
-    return MatrixPolynomial.from_sympy(
-        sum((sp.Symbol(c) * matrix for c, matrix in zip(components, read, strict=True)), sp.zeros(*read[0].shape))
-    )
+def _entries(rows: Any, symbols: Mapping[str, sp.Symbol]) -> Array:
+    """Fractions and expressions, shape (rows, cols)."""
+    if not isinstance(rows, list) or not all(isinstance(row, list) for row in rows):
+        raise PlantError(f"{quoted(rows)} is not a list of rows; write [[1, 0], [0, 1]]")
+    if not rows or not rows[0]:
+        raise PlantError("is empty; give at least one row with one entry")
+    entries = np.empty((len(rows), len(rows[0])), dtype=object)
+    for i, row in enumerate(rows):
+        if len(row) != len(rows[0]):
+            raise PlantError(
+                f"row {i + 1} has {len(row)} entries where row 1 has {len(rows[0])}; make them equally long"
+            )
+        for j, entry in enumerate(row):
+            with _at(f"entry ({i + 1},{j + 1})"):
+                entries[i, j] = _entry(entry, symbols)
+    return entries
 
 
-def _entries(rows: Any, symbols: Mapping[str, sp.Symbol], where: str) -> sp.Matrix:
-    """A matrix of numbers and expressions."""
-    if not isinstance(rows, list) or not rows or not all(isinstance(row, list) and row for row in rows):
-        raise PlantError(f"{where} is not a list of rows; write [[1, 0], [0, 1]]")
-    lengths = [len(row) for row in rows]
-    if len(set(lengths)) > 1:
-        odd = next(k for k, length in enumerate(lengths) if length != lengths[0])
-        raise PlantError(f"{where}: row {odd + 1} has {lengths[odd]} entries but row 1 has {lengths[0]}; complete it")
-    return sp.Matrix(
-        [
-            [_entry(e, symbols, f"{where}, entry ({i + 1},{j + 1})") for j, e in enumerate(row)]
-            for i, row in enumerate(rows)
-        ]
-    )
+def _entry(entry: Any, symbols: Mapping[str, sp.Symbol]) -> Fraction | sp.Expr:
+    if not isinstance(entry, str) or isinstance(entry, Numeral):
+        return _number(entry)
+    expression = parse(entry, symbols)
+    return Fraction(int(expression.p), int(expression.q)) if expression.is_Rational else expression
 
 
-def _entry(entry: Any, symbols: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
-    if isinstance(entry, str):
-        try:
-            return parse(entry, symbols)
-        except ExpressionError as error:
-            raise ExpressionError(f"{where}: {error}") from error
-    value = _number(entry, where)
-    return sp.Rational(value.numerator, value.denominator)
+def _shape(matrix: Array) -> str:
+    return " x ".join(map(str, matrix.shape))
+
+
+def _polynomial(entries: Array) -> MatrixPolynomial:
+    if all(isinstance(entry, Fraction) for entry in entries.flat):
+        return MatrixPolynomial.constant(entries)
+    matrix = sp.Matrix(entries)
+    if sum(size(entry)[0] for entry in matrix) * len(matrix) > MAX_COEFFICIENTS:
+        raise PlantError(f"has more than {MAX_COEFFICIENTS} coefficients, terms times entries; shorten its expressions")
+    return MatrixPolynomial.from_sympy(matrix)
+
+
+def _vertex_sum(vertices: Array, domain: Domain) -> MatrixPolynomial:
+    """Σ_i alpha_i · vertices[i], where entries may depend on scalars."""
+    if all(isinstance(entry, Fraction) for entry in vertices.flat):
+        return vertex_polynomial(vertices, domain)
+    if (vertices == vertices[0]).all():
+        return _polynomial(vertices[0])
+    components = np.array([sp.Symbol(name) for name in domain.components])
+    return _polynomial((components[:, None, None] * vertices).sum(axis=0))
 
 
 # Array files -----------------------------------------------------------------------------------------
 
 
-def _npz(path: Path) -> Plant:
-    """Arrays (r, c) are constant, (N, r, c) are the vertices of one simplex."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            if sum(member.file_size for member in archive.infolist()) > SIZE_LIMIT:
-                raise PlantError(
-                    f"{path} unpacks to more than {SIZE_LIMIT >> 20} MiB; a plant file holds a few matrices"
-                )
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except (zipfile.BadZipFile, ValueError, EOFError, KeyError, NotImplementedError, RuntimeError) as error:
-        raise PlantError(f"{path} is not a readable .npz file of plain arrays: {error}") from error
-    return _from_arrays(arrays, path, vertex_axis=0)
+def _read_npz(content: bytes, stem: str) -> Plant:
+    arrays = {}
+    with _readable("write it by numpy.savez"), zipfile.ZipFile(BytesIO(content)) as archive:
+        members = {member.filename.removesuffix(".npy"): member for member in archive.infolist()}
+        _refuse_size(sum(member.file_size for member in members.values()))
+        if len(members) < len(archive.infolist()):
+            raise PlantError("holds two arrays of the same name; keep one")
+        for name, member in members.items():
+            if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                raise PlantError(f"{quoted(name)} is packed in a foreign way; write the file by numpy.savez")
+            with _at(quoted(name)), _readable("store a plain array of numbers"), archive.open(member) as stream:
+                arrays[name] = np.lib.format.read_array(stream, allow_pickle=False)
+    return _plant_of_arrays(arrays, stem)
 
 
-def _mat(path: Path) -> Plant:
-    """Arrays (r, c) are constant, (r, c, N) as in MATLAB's A(:,:,i) are the vertices of one simplex."""
-    import scipy.io
+def _read_mat(content: bytes, stem: str) -> Plant:
+    from scipy import io
 
-    try:
-        arrays = scipy.io.loadmat(str(path))
-    except NotImplementedError as error:
-        raise PlantError(f"{path} is a version 7.3 file; save it in MATLAB with '-v7'") from error
-    except Exception as error:  # a corrupt file raises almost anything in there
-        raise PlantError(f"{path} is not a readable .mat file: {error}") from error
-    return _from_arrays({k: v for k, v in arrays.items() if not k.startswith("__")}, path, vertex_axis=2)
+    if not content.startswith(b"MATLAB 5.0 MAT-file"):
+        version = "is of version 7.3" if content.startswith(b"MATLAB 7.3") else "is not a MATLAB file of version 5 to 7"
+        raise PlantError(f"{version}; save it in MATLAB with the option -v7")
+    stream: Any = BytesIO(content)
+    with _readable("save it again with the option -v7"):
+        _refuse_size(_inflated_size(content))
+        kinds = {name: kind for name, _, kind in io.whosmat(stream)}
+        for name, kind in kinds.items():
+            if kind not in _MATLAB_KINDS:
+                raise PlantError(f"{quoted(name)} is a {kind} array; save full matrices of real numbers only")
+        arrays = io.loadmat(stream, variable_names=list(kinds))
+    return _plant_of_arrays(
+        {name: np.moveaxis(arrays[name], -1, 0) if arrays[name].ndim == 3 else arrays[name] for name in kinds}, stem
+    )
 
 
-def _from_arrays(arrays: Mapping[str, Any], path: Path, vertex_axis: int) -> Plant:
-    """A plant from arrays; a text ``parameter`` names the simplex, "alpha" without it."""
-    arrays = dict(arrays)
-    parameter = str(np.asarray(arrays.pop("parameter", "alpha")).ravel()[0])
-    if not parameter.isidentifier():
-        raise PlantError(f"{path}: the parameter's name '{parameter}' is no name; use letters and digits")
-    stacks = {name: _stack(array, vertex_axis, f"{path}: matrix {name}") for name, array in arrays.items()}
-    if not stacks:
-        raise PlantError(f"{path} holds no array; save the plant's matrices in it")
-    counts = {name: len(stack) for name, stack in stacks.items() if np.ndim(arrays[name]) == 3}
+def _inflated_size(content: bytes) -> int:
+    """Bytes in the packed elements of a MATLAB 5 file once unpacked, counted up to the limit in each."""
+    order, position, total = "<" if content[126:128] == b"IM" else ">", 128, 0
+    while position + 8 <= len(content) and total <= MAX_BYTES:
+        kind, length = struct.unpack_from(f"{order}II", content, position)
+        position += 8
+        if kind == _MATLAB_PACKED:
+            total += len(zlib.decompressobj().decompress(content[position : position + length], MAX_BYTES + 1))
+        position += length
+    return total
+
+
+def _plant_of_arrays(arrays: Mapping[str, Array], stem: str) -> Plant:
+    """A plant from matrices and stacks of vertices, shape (vertices, rows, cols), and the optional texts."""
+    texts = {"parameter": "alpha", "name": stem, "source": ""}
+    stacks = {}
+    for name, array in arrays.items():
+        if name in texts and array.dtype.kind == "U" and array.size == 1:
+            texts[name] = str(array.item())
+        else:
+            with _at(f"matrix {_name(name)}"):
+                stacks[name] = _exact(array)
+    counts = {name: len(stack) for name, stack in stacks.items() if stack.ndim == 3}
     if len(set(counts.values())) > 1:
-        raise PlantError(f"{path}: the numbers of vertices differ: {counts}; give every matrix the same number")
-    domain = SimplexDomain.named(parameter, next(iter(counts.values()), 1))
+        listed = ", ".join(f"{name} {count}" for name, count in counts.items())
+        raise PlantError(f"has different numbers of vertices ({listed}); give every matrix the same number")
+    parameter = texts.pop("parameter")
+    domains = {}
+    if counts:
+        with _at(f"parameter {_name(parameter)}"):
+            domains[parameter] = _new_simplex(parameter, next(iter(counts.values())))
     matrices = {
-        name: vertex_polynomial(stack, domain) if name in counts else MatrixPolynomial.constant(stack[0])
+        name: vertex_polynomial(stack, domains[parameter]) if stack.ndim == 3 else MatrixPolynomial.constant(stack)
         for name, stack in stacks.items()
     }
-    return Plant(matrices, {parameter: domain}, name=path.stem)
+    return Plant(matrices, domains, name=texts["name"], source=texts["source"])
 
 
-def _stack(array: Any, vertex_axis: int, where: str) -> Any:
-    """Exact fractions, shape (vertices or 1, rows, cols)."""
-    array = np.asarray(array)
-    if array.dtype.kind not in "iufb":
-        raise PlantError(f"{where} holds {array.dtype} and not real numbers; save plain numeric arrays")
+def _exact(array: Array) -> Array:
+    """The stored numbers as fractions."""
+    if array.dtype.kind not in "iuf" or array.dtype.itemsize > np.dtype(float).itemsize:
+        raise PlantError(f"has entries of type {array.dtype.name}; store real numbers in double precision")
     if array.ndim not in (2, 3) or array.size == 0:
-        raise PlantError(f"{where} has shape {array.shape}; give a matrix, or matrices stacked along one more axis")
-    if not np.isfinite(array).all():
-        raise PlantError(f"{where} has an entry that is NaN or infinite; replace it by a number")
-    stack = array[None] if array.ndim == 2 else np.moveaxis(array, vertex_axis, 0)
-    flat = [Fraction(entry) for entry in _python_numbers(stack)]
-    return np.array(flat, dtype=object).reshape(stack.shape)
+        raise PlantError(f"has shape {array.shape}; give a matrix, or matrices stacked along a third axis")
+    for place in np.argwhere(~np.isfinite(array))[:1]:
+        *vertex, row, column = (int(index) + 1 for index in place)
+        at_vertex = f"vertex {vertex[0]}, " if vertex else ""
+        raise PlantError(f"{at_vertex}entry ({row},{column}) is not finite; replace it by a number")
+    return np.array([Fraction(number) for number in array.ravel().tolist()], dtype=object).reshape(array.shape)
 
 
-def _python_numbers(stack: Any) -> Sequence[Any]:
-    return (stack.astype(float) if stack.dtype.kind == "f" else stack.astype(int)).ravel().tolist()
+_MATLAB_PACKED = 15
+_MATLAB_KINDS = {"double", "single", "char", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
+
+_READERS: Mapping[str, Callable[[bytes, str], Plant]] = {
+    ".toml": _read_toml,
+    ".json": _read_json,
+    ".npz": _read_npz,
+    ".mat": _read_mat,
+}

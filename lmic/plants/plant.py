@@ -12,6 +12,7 @@ import sympy as sp
 
 from lmic.domains import Domain, Motion, SimplexDomain
 from lmic.errors import PlantError
+from lmic.plants.expressions import quoted, rational
 from lmic.polynomials import MatrixPolynomial, Monomials
 
 
@@ -32,10 +33,15 @@ class Plant:
     source: str = ""
 
     def __post_init__(self) -> None:
-        for name, domain in self.domains.items():
-            clash = sorted(set(domain.components) & set(self.scalars))
-            if clash:
-                raise PlantError(f"{self.name}: {clash[0]} is both a component of {name} and a scalar; rename one")
+        owners = dict.fromkeys(self.scalars, "the scalars")
+        for parameter, domain in self.domains.items():
+            for component in domain.components:
+                if component in owners:
+                    raise PlantError(
+                        f"{self.name}: {component} is a component of {parameter} and also of {owners[component]}; "
+                        "rename one"
+                    )
+                owners[component] = parameter
 
     @classmethod
     def polytopic(cls, parameter: str = "alpha", name: str = "plant", **vertices: Sequence[Any]) -> Plant:
@@ -71,15 +77,18 @@ def vertex_polynomial(vertices: Any, domain: Domain) -> MatrixPolynomial:
 
 
 def exact_number(value: Any) -> Fraction:
-    """An exact rational: the float 0.1 as written, 1/10."""
-    if isinstance(value, Fraction):
-        return value
+    """An exact rational: the float 0.1 as written, 1/10, and a text such as "1/3"."""
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, str):
+        return rational(value)
     if isinstance(value, (bool, complex)):
         raise PlantError(f"{value!r} is not a real number; give a number such as 0.5 or 1/3")
     try:
-        return Fraction(repr(value)) if isinstance(value, float) else Fraction(value)
-    except (TypeError, ValueError, OverflowError, ZeroDivisionError) as error:
-        raise PlantError(f"{value!r} is not a finite number; give a number such as 0.5 or 1/3") from error
+        number = Fraction(repr(value)) if isinstance(value, float) else Fraction(value)
+        float(number)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise PlantError(f"{quoted(value)} is not a finite number; give a number such as 0.5 or 1/3") from error
+    return number
 
 
 def exact_array(value: Any, what: str) -> Any:
@@ -87,5 +96,4 @@ def exact_array(value: Any, what: str) -> Any:
     array = np.array(value, dtype=object)
     if array.ndim not in (2, 3) or array.size == 0:
         raise PlantError(f"{what} has {array.ndim} dimensions; give a matrix [[...], ...] or a list of such matrices")
-    flat = [exact_number(entry.item() if hasattr(entry, "item") else entry) for entry in array.ravel()]
-    return np.array(flat, dtype=object).reshape(array.shape)
+    return np.array([exact_number(entry) for entry in array.flat], dtype=object).reshape(array.shape)

@@ -22,7 +22,7 @@ _STATUS = {
 
 #: in rescaled coordinates these tolerances are reached, and the objective has ten digits or more
 _FINE = {"tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10, "tol_feas": 1e-10}
-_ROUGH = {"max_iter": 50}
+_ROUGH = {"max_iter": 50, "tol_gap_abs": 1e-6, "tol_gap_rel": 1e-6, "tol_feas": 1e-6}
 
 #: rows from which the multithreaded factorisation is the faster one
 _MULTITHREADED_FROM = 1500

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lmic.assemble import ConicProblem
-from lmic.solve.cone import ConeSolver
+from lmic.solve.cone import ConeSolver, Status
+from lmic.solve.scaling import slack_matrices
 from lmic.solve.solution import Pass, Solution
 from lmic.solve.whole import PASSES, TRUSTED_VIOLATION, solve_whole
 
@@ -21,47 +22,53 @@ Array: TypeAlias = NDArray[Any]
 
 #: LMIs of a family to begin with, and added after a round at the most
 FIRST, ADDED = 8, 12
-#: rounds after which the whole problem is solved instead
-ROUNDS = 40
-#: an LMI whose least relative eigenvalue is above this in two rounds running is dropped
-SLACK = 0.05
+#: rounds at each effort after which the whole problem is solved instead
+ROUNDS = 30
+#: violation that the rough rounds still allow
+ROUGH_VIOLATION = 1e-5
+#: LMIs whose share of the dual is below this after the rough rounds are dropped
+SHARE = 1e-5
 #: matrices whose eigenvalues are computed in one call
 BATCH = 8192
 
 
 def solve_by_exchange(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
-    """The solution of all LMIs, by solving few at a time."""
+    """The solution of all LMIs, by solving few at a time.
+
+    First roughly (one pass of the solver, a loose tolerance), which finds the LMIs that bind; then
+    with all passes and the tight tolerance on those, until none of the others is violated.
+    """
     active = np.concatenate([_spread(start, count) for start, count in _ranges(problem)])
-    idle = np.zeros(len(problem.orders), dtype=int)
-    dropped = np.zeros(len(problem.orders), dtype=bool)
     steps: list[Pass] = []
-    final = False
-    for _ in range(ROUNDS):
-        part = problem.restricted(active)
-        # a rough answer is enough to find the next LMIs; the last word needs all passes
-        found = solve_whole(part, solver, passes if final else min(passes, 2))
-        steps += found.passes
-        if not found.status.usable:
-            if final:
-                return replace(found, passes=tuple(steps), dual=_spread_dual(problem, active, found.dual))
-            final = True
-            continue
-        least = relative_eigenvalues(problem, found.x)
-        violated = np.flatnonzero(least < -TRUSTED_VIOLATION * (1 if final else 1e3))
-        violated = np.setdiff1d(violated, active)
-        if not len(violated):
-            if final:
-                return _complete(problem, active, found, least, steps)
-            final = True
-            continue
-        final = False
-        worst = _worst_of_each(problem, violated, least)
-        idle[active] = np.where(least[active] > SLACK, idle[active] + 1, 0)
-        # an LMI is dropped once only: what comes back stays, so the rounds end
-        leaving = active[(idle[active] >= 2) & ~dropped[active]]
-        dropped[leaving] = True
-        active = np.union1d(np.setdiff1d(active, leaving), worst)
-    return solve_whole(problem, solver, passes)
+    for effort, tolerance in ((1, ROUGH_VIOLATION), (passes, TRUSTED_VIOLATION)):
+        for _ in range(ROUNDS):
+            found = solve_whole(problem.restricted(active), solver, effort)
+            steps += found.passes
+            if not found.status.usable:
+                break
+            least = relative_eigenvalues(problem, found.x)
+            violated = np.setdiff1d(np.flatnonzero(least < -tolerance), active)
+            if not len(violated):
+                break
+            active = np.union1d(active, _worst_of_each(problem, violated, least))
+        if found.status.usable and effort == 1:
+            active = active[_binding(problem.restricted(active), found)]
+    if found.status is Status.INFEASIBLE:
+        # infeasible already with few of the LMIs, so with all
+        return replace(found, passes=tuple(steps), dual=_spread_dual(problem, active, found.dual))
+    if not found.status.usable or len(violated):
+        return solve_whole(problem, solver, passes)
+    return _complete(problem, active, found, least, steps)
+
+
+def _binding(part: ConicProblem, found: Solution) -> Array:
+    """The LMIs that carry the dual, each weighed in the units of its own slack."""
+    weights = []
+    duals = slack_matrices(found.dual, part.orders)
+    matrices = slack_matrices(part.matrix @ found.x + part.offset, part.orders)
+    for dual, matrix in zip(duals, matrices, strict=True):
+        weights.append(float(np.diag(dual) @ np.abs(np.diag(matrix))))
+    return np.array(weights) > SHARE * max(weights)
 
 
 def relative_eigenvalues(problem: ConicProblem, x: Array) -> Array:

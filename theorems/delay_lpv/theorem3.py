@@ -39,6 +39,13 @@ performance = ND([
     [H - DF*C, H - DF*C - CF, Hd - DF*Cd, L - DF*D, 0, 0, -I(p)],
 ])  # fmt: skip
 
+A_F, B_F = inv(U).T * AF, inv(U).T * BF
+error_dynamics = {
+    "A": block([[A, 0], [B_F * C, A_F]]),
+    "A_d": block([[Ad, zeros(n, n)], [B_F * Cd, zeros(n, n)]]),
+    "B": block([[B], [B_F * D]]),
+}
+
 theorem = Theorem(
     title="H∞ filter under time-varying delay",
     minimise=gamma2,
@@ -48,7 +55,25 @@ theorem = Theorem(
         "Q": PD(Q),
     },
     reports={"gamma": sqrt(gamma2)},
-    recover={"A_F": inv(U).T * AF, "B_F": inv(U).T * BF, "C_F": CF, "D_F": DF},
+    recover={"A_F": A_F, "B_F": B_F, "C_F": CF, "D_F": DF},
+    guarantees=[
+        Bound(
+            "l2 gain",
+            DelaySystem(
+                **error_dynamics,
+                C=block([[H - DF * C, -CF]]),
+                C_d=block([[Hd - DF * Cd, zeros(p, n)]]),
+                D=L - DF * D,
+            ),
+            "gamma",
+        ),
+    ],
+    signals={
+        "z": DelaySystem(A=A, A_d=Ad, B=B, C=H, C_d=Hd, D=L),
+        "z_F": DelaySystem(
+            **error_dynamics, C=block([[DF * C, CF]]), C_d=block([[DF * Cd, zeros(p, n)]]), D=DF * D
+        ),
+    },
     assumes=[Schur(A, because="the error system contains the plant")],
     source=Source(
         authors="Unknown authors",

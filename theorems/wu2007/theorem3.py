@@ -45,6 +45,14 @@ performance = ND([
     [star, star, star, star, star, star, -gamma2*I(l)],
 ])  # fmt: skip
 
+error_system = FornasiniMarchesini(
+    A1=block([[A1(r), 0], [inv(W).T * B1F(r) * C(r), inv(W).T * A1F(r)]]),
+    A2=block([[A2(r), 0], [inv(W).T * B2F(r) * C(r), inv(W).T * A2F(r)]]),
+    B1=block([[B1(r)], [inv(W).T * B1F(r) * D(r)]]),
+    B2=block([[B2(r)], [inv(W).T * B2F(r) * D(r)]]),
+    C=block([[L(r), -CF(r)]]),
+)
+
 theorem = Theorem(
     title="2-D H∞ filter",
     minimise=gamma2,
@@ -57,6 +65,7 @@ theorem = Theorem(
         "B_2F": inv(W).T * B2F(r),
         "C_F": CF(r),
     },
+    guarantees=[Bound("l2 gain", error_system, "gamma")],
     assumes=[
         Schur(A1(r) + A2(r), because="at a frozen parameter a state that depends on i + j alone moves by A_1 + A_2"),
     ],

@@ -1,0 +1,1 @@
+"""Simulation of closed loops along parameter trajectories: one file for each kind of system."""

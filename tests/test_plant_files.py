@@ -1,0 +1,572 @@
+"""Plant files: the same plant from every format, exact numbers, and an error for every mistake."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import struct
+import time
+import zipfile
+import zlib
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.io
+import sympy as sp
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from lmic.domains import BoxDomain, Motion, SimplexDomain
+from lmic.errors import PlantError
+from lmic.plants.files import MAX_BYTES, MAX_VERTICES, read_plant
+from lmic.plants.plant import Plant, exact_number
+from lmic.polynomials import MatrixPolynomial, Monomials
+
+PAPER = Path(__file__).parents[1] / "theorems" / "peixoto2025"
+
+# Every number is a dyadic rational, so that text and binary formats can agree.
+VERTICES = {"A": [[[0.5, 0.0], [1.0, -0.25]], [[0.125, 2.0], [0.0, 0.0]]], "B": [[[2.0], [0.5]], [[1.0], [0.5]]]}
+CONSTANT = [[1.0, -1.5]]
+
+TOML = """
+name = "two vertices"
+source = "made up"
+[parameters.beta]
+simplex = 2
+[matrices]
+A = { vertices = [[[0.5, 0], [1, -0.25]], [[0.125, 2], [0.0, 0]]] }
+B = { vertices = [[[2], ["1/2"]], [[1], [0.5]]], parameter = "beta" }
+C = [[1, "-1 - 1/2"]]
+"""
+
+
+def write(path: Path, content: str | bytes) -> Path:
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def write_npz(path: Path, **arrays: Any) -> Path:
+    np.savez(path, **arrays)
+    return path
+
+
+def write_mat(path: Path, **arrays: Any) -> Path:
+    scipy.io.savemat(path, arrays, do_compression=True)
+    return path
+
+
+def document(**tables: Any) -> dict[str, Any]:
+    return {"parameters": {"beta": {"simplex": 2}}, "matrices": {"C": [[1]]}, **tables}
+
+
+def described(plant: Plant) -> dict[str, Any]:
+    """Everything a plant states, comparable by ==."""
+    matrices = {
+        name: (matrix.monomials.atoms, matrix.monomials.exponents.tolist(), matrix.coefficients.tolist())
+        for name, matrix in plant.matrices.items()
+    }
+    return {"matrices": matrices, "domains": plant.domains, "name": plant.name, "source": plant.source}
+
+
+# What is read ----------------------------------------------------------------------------------------
+
+
+def test_the_four_formats_agree(tmp_path: Path) -> None:
+    texts = {"name": "two vertices", "source": "made up", "parameter": "beta"}
+    stacks = {name: np.array(vertices) for name, vertices in VERTICES.items()}
+    tables = document(
+        name="two vertices",
+        source="made up",
+        matrices={name: {"vertices": vertices} for name, vertices in VERTICES.items()} | {"C": CONSTANT},
+    )
+    matlab = {name: np.moveaxis(stack, 0, -1) for name, stack in stacks.items()}
+    plants = [
+        read_plant(write(tmp_path / "plant.toml", TOML)),
+        read_plant(write(tmp_path / "plant.json", json.dumps(tables))),
+        read_plant(write_npz(tmp_path / "plant.npz", **stacks, C=np.array(CONSTANT), **texts)),
+        read_plant(write_mat(tmp_path / "plant.mat", **matlab, C=np.array(CONSTANT), **texts)),
+    ]
+    assert all(described(plant) == described(plants[0]) for plant in plants)
+    expected = Plant.polytopic(parameter="beta", C=CONSTANT, **VERTICES)
+    assert described(plants[0])["matrices"] == described(expected)["matrices"]
+    assert plants[0].domains == {"beta": SimplexDomain(("beta1", "beta2"))}
+
+
+def test_everything_that_a_text_file_may_state(tmp_path: Path) -> None:
+    plant = read_plant(
+        write(
+            tmp_path / "full.toml",
+            """
+            [parameters.rho]
+            box = { rho1 = [-1, 1], rho2 = [0, "1/3"] }
+            rate = { rho1 = 0.1, rho2 = [-2, 3] }
+            [parameters.alpha]
+            simplex = 2
+            step = "free"
+            [parameters.beta]
+            simplex = 1
+            step = 0.25
+            [scalars]
+            c = 10
+            d = "1/7"
+            [matrices]
+            A = [["1 + 0.5*rho1", "sin(rho2)"], [0, "c*alpha1"]]
+            B = { vertices = [[["-0.05*c"]], [[0.3]]], parameter = "alpha" }
+            K = { vertices = [[["c/4"]]], parameter = "beta" }
+            """,
+        )
+    )
+    assert plant.name == "full"
+    assert plant.source == ""
+    assert plant.scalars == {"c": Fraction(10), "d": Fraction(1, 7)}
+    assert plant.domains == {
+        "rho": BoxDomain(("rho1", "rho2"), (Fraction(-1), Fraction(0)), (Fraction(1), Fraction(1, 3))),
+        "alpha": SimplexDomain(("alpha1", "alpha2")),
+        "beta": SimplexDomain(("beta1",)),
+    }
+    assert plant.motions == {
+        "rho": Motion(rate={"rho1": Fraction(1, 10), "rho2": (Fraction(-2), Fraction(3))}),
+        "alpha": Motion(step="free"),
+        "beta": Motion(step={"beta1": Fraction(1, 4)}),
+    }
+    rho1, rho2, alpha1, alpha2, c = sp.symbols("rho1 rho2 alpha1 alpha2 c")
+    point = {rho1: 0.5, rho2: 0.25, alpha1: 0.75, alpha2: 0.25, c: 4.0}
+    assert plant.matrices["A"].evaluate(point)[0] == pytest.approx(np.array([[1.25, np.sin(0.25)], [0, 3]]))
+    assert plant.matrices["B"].evaluate(point)[0] == pytest.approx(np.array([[0.75 * -0.2 + 0.25 * 0.3]]))
+    assert plant.matrices["K"].monomials.atoms == (c,)
+
+
+def test_example_1_of_the_paper() -> None:
+    plant = read_plant(PAPER / "example1.toml")
+    theta = sp.Symbol("theta")
+    printed = {
+        "A": sp.Matrix([[0.265 - 0.165 * theta, 0.45 * (1 + theta)], [0.5 * (1 - theta), 0.265 - 0.215 * theta]]),
+        "B_w": sp.Matrix([[1.5 - 0.5 * theta], [0.1]]),
+        "C_z": sp.eye(2),
+        "D_z": sp.zeros(2, 1),
+        "C_y": sp.Matrix([[1, 0]]),
+        "D_y": sp.Matrix([[1]]),
+    }
+    assert list(plant.matrices) == list(printed)
+    for value in (-1.0, 0.3, 1.0):
+        point = {sp.Symbol("alpha1"): (1 - value) / 2, sp.Symbol("alpha2"): (1 + value) / 2}
+        for name, matrix in printed.items():
+            expected = np.array(matrix.subs(theta, value), dtype=float)
+            assert plant.matrices[name].evaluate(point)[0] == pytest.approx(expected), name
+
+
+def test_example_2_of_the_paper_depends_on_rho_in_one_entry() -> None:
+    plant = read_plant(PAPER / "example2.toml")
+    first = {sp.Symbol("alpha1"): 1.0, sp.Symbol("alpha2"): 0.0, sp.Symbol("rho"): 20.0}
+    assert plant.scalars == {"rho": 1}
+    assert plant.matrices["A"].evaluate(first)[0].tolist() == [[1.05, 0.35], [-0.41, -1.0]]
+    assert plant.matrices["C_y"].evaluate(first)[0].tolist() == [[1.7, 3.0]]
+    assert {name for name, matrix in plant.matrices.items() if sp.Symbol("rho") in matrix.monomials.atoms} == {"A"}
+
+
+@pytest.mark.parametrize("text", ["0.1", '"0.1"', '"1/10"', "1e-1", "0.10"])
+def test_a_decimal_in_a_text_is_what_it_says(text: str, tmp_path: Path) -> None:
+    for path in (
+        write(tmp_path / "plant.toml", f"matrices.C = [[{text}]]"),
+        write(tmp_path / "plant.json", f'{{"matrices": {{"C": [[{text}]]}}}}'),
+    ):
+        assert read_plant(path).matrices["C"].coefficients.tolist() == [[[Fraction(1, 10)]]]
+
+
+def test_a_float_in_an_array_file_is_what_it_stores(tmp_path: Path) -> None:
+    array = np.array([[0.1]])
+    for path in (write_npz(tmp_path / "plant.npz", C=array), write_mat(tmp_path / "plant.mat", C=array)):
+        assert read_plant(path).matrices["C"].coefficients.tolist() == [[[Fraction(0.1)]]]
+    assert Fraction(0.1) == Fraction(3602879701896397, 2**55)
+
+
+@pytest.mark.parametrize("kind", ["f2", "f4", "f8", ">f8", "i1", "i8", "u2"])
+def test_array_files_may_hold_any_real_type(kind: str, tmp_path: Path) -> None:
+    plant = read_plant(write_npz(tmp_path / "plant.npz", C=np.array([[1, 2]], dtype=kind)))
+    assert plant.matrices["C"].coefficients.tolist() == [[[Fraction(1), Fraction(2)]]]
+    assert plant.domains == {}
+
+
+def test_equal_vertices_are_a_constant(tmp_path: Path) -> None:
+    tables = document(scalars={"c": 1}, matrices={"C": {"vertices": [[[1]]] * 2}, "D": {"vertices": [[["c"]]] * 2}})
+    plant = read_plant(write(tmp_path / "plant.json", json.dumps(tables)))
+    assert plant.matrices["C"].monomials.atoms == ()
+    assert plant.matrices["D"].monomials.atoms == (sp.Symbol("c"),)
+
+
+def test_suffixes_and_byte_order_marks_do_not_matter(tmp_path: Path) -> None:
+    assert read_plant(str(write(tmp_path / "plant.TOML", b"\xef\xbb\xbf[matrices]\r\nC = [[1]]\r\n"))).name == "plant"
+
+
+# What is refused -------------------------------------------------------------------------------------
+
+
+def refused(path: Path, *parts: str) -> None:
+    with pytest.raises(PlantError) as caught:
+        read_plant(path)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert len(message) < 600
+    for part in parts:
+        assert part in message
+
+
+@pytest.mark.parametrize(
+    ("tables", "parts"),
+    [
+        ({"matrix": {}}, ["the key 'matrix' means nothing here; the keys are matrices, name"]),
+        ({"name": 3}, ["name is 3; give a text"]),
+        ({"source": ["a"]}, ["source is ['a']; give a text"]),
+        ({"matrices": {}}, ["states no matrix"]),
+        ({"matrices": [1]}, ["matrices is [1]; give a table"]),
+        ({"scalars": {"c": "x"}}, ["scalar c: 'x' is unknown here"]),
+        ({"scalars": {"c": "pi"}}, ["scalar c: 'pi' is not a rational number"]),
+        ({"scalars": {"c": True}}, ["scalar c: True is not a real number"]),
+        ({"scalars": {"c": None}}, ["scalar c: None is not a finite number"]),
+        ({"scalars": {"c": [1]}}, ["scalar c: [1] is not a finite number"]),
+        ({"scalars": {"c": "1/0"}}, ["scalar c: in '1/0', '0' is zero"]),
+        ({"scalars": {"c d": 1}}, ["'c d' cannot be a name"]),
+        ({"scalars": {"": 1}}, ["'' cannot be a name"]),
+        ({"scalars": {"lambda": 1}}, ["'lambda' cannot be a name"]),
+        ({"scalars": {"pi": 1}}, ["'pi' cannot be a name"]),
+        ({"scalars": {"beta1": 1}}, ["beta1 is a component of beta and also of the scalars; rename one"]),
+        ({"parameters": {"a": {"simplex": 11}, "a1": {"simplex": 1}}}, ["a11 is a component of a1 and also of a"]),
+        ({"parameters": {"a": 2}}, ["parameter a: 2 is not a table"]),
+        ({"parameters": {"a": {}}}, ["parameter a: has no domain; give either simplex"]),
+        ({"parameters": {"a": {"simplex": 2, "box": {}}}}, ["parameter a: has no domain"]),
+        ({"parameters": {"a": {"simplex": 0}}}, ["parameter a: has 0 vertices"]),
+        ({"parameters": {"a": {"simplex": 10**9}}}, [f"a simplex has from 1 to {MAX_VERTICES}"]),
+        ({"parameters": {"a": {"simplex": True}}}, ["parameter a: has no domain"]),
+        ({"parameters": {"a": {"simplex": 2.0}}}, ["parameter a: has no domain"]),
+        ({"parameters": {"a": {"simplx": 2}}}, ["parameter a: the key 'simplx' means nothing here"]),
+        ({"parameters": {"a": {"box": {}}}}, ["parameter a: a box has no component"]),
+        ({"parameters": {"a": {"box": {"r": 1}}}}, ["parameter a: component r: 1 is not an interval"]),
+        ({"parameters": {"a": {"box": {"r": [1]}}}}, ["component r: [1] is not an interval"]),
+        ({"parameters": {"a": {"box": {"r": [1, "z"]}}}}, ["component r: 'z' is unknown"]),
+        ({"parameters": {"a": {"box": {"r": [1, 0]}}}}, ["the interval of r is empty: [1, 0]"]),
+        ({"parameters": {"a": {"box": {"r": [0, 1]}, "step": "slow"}}}, ["step of r: 'slow' is unknown"]),
+        ({"parameters": {"a": {"box": {"r": [0, 1]}, "rate": {"s": 1}}}}, ["rate does not bound the components r"]),
+        ({"parameters": {"a": {"box": {"r": [0, 1]}, "rate": {"r": [1]}}}}, ["rate of r: [1] is not an interval"]),
+        ({"matrices": {"C-1": [[1]]}}, ["'C-1' cannot be a name"]),
+        ({"matrices": {"C": 1}}, ["matrix C: 1 is not a list of rows"]),
+        ({"matrices": {"C": [1, 2]}}, ["matrix C: [1, 2] is not a list of rows; write [[1, 0], [0, 1]]"]),
+        ({"matrices": {"C": []}}, ["matrix C: is empty"]),
+        ({"matrices": {"C": [[]]}}, ["matrix C: is empty"]),
+        ({"matrices": {"C": [[1, 2], [3]]}}, ["matrix C: row 2 has 1 entries where row 1 has 2"]),
+        ({"matrices": {"C": [[1], []]}}, ["matrix C: row 2 has 0 entries where row 1 has 1"]),
+        ({"matrices": {"C": [[1, None]]}}, ["matrix C: entry (1,2): None is not a finite number"]),
+        ({"matrices": {"C": [[1], [[2]]]}}, ["matrix C: entry (2,1): [2] is not a finite number"]),
+        ({"matrices": {"C": [[10**400]]}}, ["matrix C: entry (1,1): 1000", "is not a finite number"]),
+        ({"matrices": {"C": [[False]]}}, ["matrix C: entry (1,1): False is not a real number"]),
+        ({"matrices": {"C": [["gamma"]]}}, ["entry (1,1): 'gamma' is unknown here; use one of 'beta1, beta2, pi'"]),
+        ({"matrices": {"C": [["1 +"]]}}, ["entry (1,1): '1 +' is not an expression"]),
+        ({"matrices": {"C": {"vertex": []}}}, ["matrix C: the key 'vertex' means nothing here"]),
+        ({"matrices": {"C": {}}}, ["matrix C: has no vertices where its parameter has 2"]),
+        ({"matrices": {"C": {"vertices": [[[1]]]}}}, ["has 1 vertices where its parameter has 2"]),
+        ({"matrices": {"C": {"vertices": [[[1]], [1]]}}}, ["matrix C: vertex 2: [1] is not a list of rows"]),
+        ({"matrices": {"C": {"vertices": [[[1]], [[1, 2]]]}}}, ["vertex 2: is 1 x 2 where vertex 1 is 1 x 1"]),
+        ({"matrices": {"C": {"vertices": [[["beta1"]], [[1]]]}}}, ["vertex 1: entry (1,1): 'beta1' is unknown here"]),
+        ({"matrices": {"C": {"vertices": [[[1]]] * 2, "parameter": "rho"}}}, ["add parameter = one of: beta"]),
+        ({"matrices": {"C": {"vertices": [[[1]]] * 2, "parameter": 1}}}, ["has vertices without a simplex"]),
+        ({"parameters": {}, "matrices": {"C": {"vertices": [[[1]]]}}}, ["without a simplex"]),
+        (
+            {"parameters": {"a": {"simplex": 1}, "b": {"simplex": 1}}, "matrices": {"C": {"vertices": [[[1]]]}}},
+            ["add parameter = one of: a, b"],
+        ),
+        (
+            {"parameters": {"r": {"box": {"r1": [0, 1]}}}, "matrices": {"C": {"vertices": [[[1]]], "parameter": "r"}}},
+            ["has vertices without a simplex"],
+        ),
+        (
+            {
+                "parameters": {"a": {"simplex": 400}},
+                "matrices": {"C": [[f"(a{n} + a{n + 1})**40" for n in range(1, 400)]] * 10},
+            },
+            ["matrix C: has more than 10000000 coefficients"],
+        ),
+    ],
+)
+def test_refuses_a_mistaken_document(tables: dict[str, Any], parts: list[str], tmp_path: Path) -> None:
+    refused(write(tmp_path / "plant.json", json.dumps(document(**tables))), *parts)
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("[matrices]\nC = [[1,]\n", ["is not valid TOML", "line 3"]),
+        ("[matrices]\nC = [[1]]\nC = [[2]]", ["is not valid TOML", "line 3"]),
+        ("[matrices]\nC = [[nan]]", ["matrix C: entry (1,1): 'nan' is not a decimal number"]),
+        ("[matrices]\nC = [[1, -inf]]", ["matrix C: entry (1,2): '-inf' is not a decimal number"]),
+        ("[matrices]\nC = [[1e999999999]]", ["entry (1,1): '1e999999999' is not a decimal number"]),
+        ("[matrices]\nC = [[2020-01-01]]", ["entry (1,1): datetime.date(2020, 1, 1) is not a finite number"]),
+        (f"[matrices]\nC = [[{'9' * 5000}]]", ["is not valid TOML"]),
+        (f"[matrices]\nC = [[0x{'f' * 5000}]]", ["entry (1,1)", "is not a finite number"]),
+        (f"C = {'[' * 100000}", ["is not valid TOML"]),
+        (".".join("a" * 100000), ["line 1 has more than 32 dots"]),
+        ("name = 1.5", ["name is '1.5'; give a text"]),
+    ],
+)
+def test_refuses_mistaken_toml(text: str, parts: list[str], tmp_path: Path) -> None:
+    refused(write(tmp_path / "plant.toml", text), *parts)
+
+
+def test_a_long_row_of_decimals_is_no_dotted_key(tmp_path: Path) -> None:
+    path = write(tmp_path / "plant.toml", f"matrices.C = [[{', '.join(['-0.5', '1.25e-3'] * 500)}]]")
+    assert read_plant(path).matrices["C"].shape == (1, 1000)
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("", ["is not valid JSON", "line 1"]),
+        ('{"matrices": {"C": [[1]],}}', ["is not valid JSON", "line 1"]),
+        ("[]", ["[] is not a table"]),
+        ('{"matrices": {"C": [[NaN]]}}', ["matrix C: entry (1,1): 'NaN' is not a decimal number"]),
+        ('{"matrices": {"C": [[1], [-Infinity]]}}', ["matrix C: entry (2,1): '-Infinity' is not a decimal number"]),
+        ('{"matrices": {"C": [[1e999999999]]}}', ["entry (1,1): '1e999999999' is not a decimal number"]),
+        ('{"matrices": {"C": [[1]], "C": [[2]]}}', ["the key 'C' occurs twice"]),
+        ("[" * 100000, ["is not valid JSON"]),
+        ('{"name": "\\ud800", "matrices": {}}', ["states no matrix"]),
+    ],
+)
+def test_refuses_mistaken_json(text: str, parts: list[str], tmp_path: Path) -> None:
+    refused(write(tmp_path / "plant.json", text), *parts)
+
+
+ARRAYS: list[tuple[dict[str, Any], str]] = [
+    ({"C": np.array([[1, 1j]])}, "has entries of type complex128"),
+    ({"C": np.array([[1.0], [np.nan]])}, "matrix C: entry (2,1) is not finite"),
+    ({"C": np.array([["a", "b"]])}, "has entries of type str"),
+    ({"C": np.zeros((0, 2))}, "has shape (0, 2)"),
+    ({"C": np.zeros((1, 1, 1, 2))}, "has shape (1, 1, 1, 2)"),
+    ({"C": np.ones((1, 1)), "parameter": "2x"}, "'2x' cannot be a name"),
+    ({"name": "nothing else"}, "states no matrix"),
+]
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        *(case for case in ARRAYS if "2x" not in str(case)),
+        ({"C": np.ones((2, 1, 1)), "parameter": "2x"}, "'2x' cannot be a name"),
+        ({"C": np.ones(3)}, "has shape (3,)"),
+        ({"C": np.float64(1)}, "has shape ()"),
+        ({"C": np.array([[True]])}, "has entries of type bool"),
+        ({"C": np.array([[[1.0]], [[np.inf]]])}, "matrix C: vertex 2, entry (1,1) is not finite"),
+        ({"C": np.array([[{}]], dtype=object)}, "'C': cannot be read (Object arrays cannot be loaded"),
+        ({"C": np.array([[(1, 2)]], dtype="i4,i4")}, "has entries of type void64"),
+        ({"C": np.ones((2, 1, 1)), "D": np.ones((3, 1, 1))}, "different numbers of vertices (C 2, D 3)"),
+        ({"C": np.ones((MAX_VERTICES + 1, 1, 1))}, f"parameter alpha: has {MAX_VERTICES + 1} vertices"),
+        ({"C-1": np.ones((1, 1))}, "'C-1' cannot be a name"),
+    ],
+)
+def test_refuses_mistaken_npz(arrays: dict[str, Any], message: str, tmp_path: Path) -> None:
+    refused(write_npz(tmp_path / "plant.npz", **arrays), message)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        *(case for case in ARRAYS if "2x" not in str(case)),
+        ({"C": np.ones((1, 1, 2)), "parameter": "2x"}, "'2x' cannot be a name"),
+        ({"C": np.array([[[1.0, np.inf]]])}, "matrix C: vertex 2, entry (1,1) is not finite"),
+        ({"C": {"a": 1}}, "'C' is a struct array"),
+        ({"C": np.array([[1, "a"]], dtype=object)}, "'C' is a cell array"),
+        ({"C": scipy.sparse.eye_array(2)}, "'C' is a sparse array"),
+        ({"C": np.array([[True]])}, "'C' is a logical array"),
+        ({"C": np.ones((1, 1, 2)), "D": np.ones((1, 1, 3))}, "different numbers of vertices (C 2, D 3)"),
+    ],
+)
+def test_refuses_mistaken_mat(arrays: dict[str, Any], message: str, tmp_path: Path) -> None:
+    refused(write_mat(tmp_path / "plant.mat", **arrays), message)
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        (b"MATLAB 7.3 MAT-file, Platform: PCWIN64", "is of version 7.3; save it in MATLAB with the option -v7"),
+        (b"\x89HDF\r\n\x1a\n", "is not a MATLAB file of version 5 to 7"),
+        (b"", "is not a MATLAB file of version 5 to 7"),
+        (b"MATLAB 5.0 MAT-file", "cannot be read"),
+    ],
+)
+def test_refuses_other_versions_of_mat(header: bytes, message: str, tmp_path: Path) -> None:
+    refused(write(tmp_path / "plant.mat", header), message)
+
+
+def test_refuses_paths_that_are_no_plant_files(tmp_path: Path) -> None:
+    refused(tmp_path / "plant.csv", "'.csv' is not the suffix of a plant file; use .toml, .json, .npz, .mat")
+    refused(tmp_path / "plant", "'' is not the suffix")
+    refused(tmp_path / "none.toml", "No such file or directory")
+    refused(tmp_path / ("a" * 300 + ".toml"), "cannot be read")
+    refused(tmp_path / "a\0b.toml", "cannot be read")
+    (tmp_path / "folder.toml").mkdir()
+    refused(tmp_path / "folder.toml", "is not a file")
+    refused(write(tmp_path / "plant.toml", b"name = '\xe9'"), "is not UTF-8 text (byte 8)")
+    refused(write(tmp_path / "plant.json", b" " * (MAX_BYTES + 1)), "more than 4 MiB")
+
+
+def test_does_not_unpickle(tmp_path: Path) -> None:
+    class Trap:
+        def __reduce__(self) -> tuple[Callable[[Path], None], tuple[Path]]:
+            return Path.touch, (tmp_path / "sprung",)
+
+    np.savez(tmp_path / "plant.npz", C=np.array([[Trap()]], dtype=object))
+    refused(tmp_path / "plant.npz", "cannot be read")
+    write(tmp_path / "raw.npz", pickle.dumps(Trap()))
+    refused(tmp_path / "raw.npz", "cannot be read")
+    assert not (tmp_path / "sprung").exists()
+
+
+def test_does_not_unpack_bombs(tmp_path: Path) -> None:
+    np.savez_compressed(tmp_path / "bomb.npz", C=np.zeros((2000, 2000)))
+    refused(tmp_path / "bomb.npz", "more than 4 MiB")
+    write_mat(tmp_path / "bomb.mat", C=np.zeros((2000, 2000)))
+    refused(tmp_path / "bomb.mat", "more than 4 MiB")
+
+
+def test_believes_no_declared_size(tmp_path: Path) -> None:
+    buffer = BytesIO()
+    np.lib.format.write_array_header_1_0(buffer, {"descr": "<f8", "fortran_order": False, "shape": (10**6, 10**6)})
+    with zipfile.ZipFile(tmp_path / "plant.npz", "w") as archive:
+        archive.writestr("C.npy", buffer.getvalue())
+    refused(tmp_path / "plant.npz", "'C': cannot be read")
+    packed = zlib.compress(struct.pack("<IIIIII", 14, 2**32 - 8, 6, 8, 6, 0))
+    element = struct.pack("<II", 15, len(packed)) + packed
+    refused(write(tmp_path / "plant.mat", MAT_HEADER + element), "cannot be read")
+
+
+def test_refuses_repeated_and_foreign_members(tmp_path: Path) -> None:
+    buffer = BytesIO()
+    np.save(buffer, np.ones((1, 1)))
+    with zipfile.ZipFile(tmp_path / "twice.npz", "w") as archive:
+        archive.writestr("C.npy", buffer.getvalue())
+        archive.writestr("C", buffer.getvalue())
+    refused(tmp_path / "twice.npz", "two arrays of the same name")
+    with zipfile.ZipFile(tmp_path / "lzma.npz", "w", zipfile.ZIP_LZMA) as archive:
+        archive.writestr("C.npy", buffer.getvalue())
+    refused(tmp_path / "lzma.npz", "'C' is packed in a foreign way")
+
+
+def test_numbers_given_in_python() -> None:
+    assert exact_number(np.float64(0.1)) == exact_number(0.1) == exact_number("0.1") == Fraction(1, 10)
+    assert exact_number(np.int32(3)) == 3
+    assert exact_number("1/3") == Fraction(1, 3)
+    for value in (np.bool_(True), 1j, "nan", float("inf"), "1e999999999", 10**400, None):
+        with pytest.raises(PlantError):
+            exact_number(value)
+
+
+# Any bytes at all ------------------------------------------------------------------------------------
+
+MAT_HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x0100, 0x4D49)
+
+
+def refused_or_read(path: Path, content: bytes) -> None:
+    started = time.perf_counter()
+    try:
+        plant = read_plant(write(path, content))
+    except PlantError as error:
+        assert str(error).startswith(f"{path}: ")
+    else:
+        assert isinstance(plant, Plant)
+    assert time.perf_counter() - started < 2
+
+
+def valid(suffix: str, folder: Path) -> bytes:
+    """The bytes of a file that reads well, for mutation."""
+    stacks = {name: np.array(vertices) for name, vertices in VERTICES.items()}
+    write(folder / "seed.toml", TOML)
+    write(folder / "seed.json", json.dumps(document(matrices={"A": {"vertices": VERTICES["A"]}, "C": [["beta1"]]})))
+    write_npz(folder / "seed.npz", **stacks, C=np.array(CONSTANT))
+    write_mat(folder / "seed.mat", C=np.array(CONSTANT), parameter="beta")
+    return (folder / f"seed{suffix}").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("any")
+
+
+SUFFIXES = st.sampled_from([".toml", ".json", ".npz", ".mat"])
+any_bytes = settings(
+    max_examples=200, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+
+
+@any_bytes
+@given(SUFFIXES, st.binary(max_size=300))
+def test_random_bytes(folder: Path, suffix: str, content: bytes) -> None:
+    refused_or_read(folder / f"random{suffix}", MAT_HEADER + content if suffix == ".mat" else content)
+
+
+@any_bytes
+@given(SUFFIXES, st.lists(st.tuples(st.floats(0, 1), st.binary(max_size=3), st.integers(0, 3)), min_size=1, max_size=4))
+def test_damaged_files(folder: Path, suffix: str, cuts: list[tuple[float, bytes, int]]) -> None:
+    content = valid(suffix, folder)
+    for place, inserted, removed in cuts:
+        start = int(place * len(content))
+        content = content[:start] + inserted + content[start + removed :]
+    refused_or_read(folder / f"damaged{suffix}", content)
+
+
+values = st.recursive(
+    st.one_of(
+        st.none(),
+        st.booleans(),
+        st.integers(),
+        st.floats(),
+        st.sampled_from(["beta1", "c/2", "1/3", "sin(c)", "x +", ""]),
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=3),
+        st.dictionaries(st.sampled_from(["vertices", "parameter", "simplex", "box", "step", "rate", "c"]), inner),
+    ),
+    max_leaves=12,
+)
+
+
+@any_bytes
+@given(
+    st.fixed_dictionaries(
+        {}, optional={key: values for key in ("name", "source", "parameters", "scalars", "matrices")}
+    ),
+    st.booleans(),
+)
+def test_random_documents(folder: Path, tables: Mapping[str, Any], wrapped: bool) -> None:
+    if wrapped:
+        tables = document(scalars={"c": 2}, matrices={"A": tables.get("matrices"), "C": [[tables.get("scalars")]]})
+    refused_or_read(folder / "document.json", json.dumps(tables).encode())
+
+
+@any_bytes
+@given(st.lists(st.lists(st.floats(width=64), min_size=2, max_size=2), min_size=1, max_size=3))
+def test_array_files_are_exact_and_agree(folder: Path, rows: list[list[float]]) -> None:
+    array = np.array(rows)
+    paths = [write_npz(folder / "exact.npz", C=array), write_mat(folder / "exact.mat", C=array)]
+    if np.isfinite(array).all():
+        expected = [[[Fraction(entry) for entry in row] for row in rows]]
+        assert [read_plant(path).matrices["C"].coefficients.tolist() for path in paths] == [expected, expected]
+    else:
+        for path in paths:
+            refused(path, "matrix C: entry (", "is not finite")
+
+
+def test_matrices_are_exact_polynomials(tmp_path: Path) -> None:
+    path = write(tmp_path / "plant.json", json.dumps(document(matrices={"C": [["beta1**2/3", "0.1*beta2 - beta1"]]})))
+    beta1, beta2 = sp.symbols("beta1 beta2")
+    matrix = read_plant(path).matrices["C"]
+    assert isinstance(matrix, MatrixPolynomial)
+    assert isinstance(matrix.monomials, Monomials)
+    found = {matrix.monomials.text(m): matrix.coefficients[m].tolist() for m in range(len(matrix.monomials))}
+    zero = Fraction(0)
+    assert {key: value for key, value in found.items() if any(map(any, value))} == {
+        "beta1**2": [[Fraction(1, 3), zero]],
+        "beta1": [[zero, Fraction(-1)]],
+        "beta2": [[zero, Fraction(1, 10)]],
+    }

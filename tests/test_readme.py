@@ -1,0 +1,56 @@
+"""The README's first look, run exactly as it is written."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from lmic.cli import main
+
+README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+
+
+def block(language: str, containing: str = "") -> str:
+    """The one code block in that language that contains a text."""
+    (found,) = [text for kind, text in BLOCKS if kind == language and containing in text]
+    return found
+
+
+def comparable(printed: str) -> list[str]:
+    """Words line by line, without what differs between machines: seconds, iterations, rounding errors."""
+    printed = re.sub(r"(solver +\w+):.*", r"\1", printed)
+    printed = re.sub(r"(violation ).*", r"\1", printed)
+    return [" ".join(line.split()) for line in printed.splitlines() if line.strip()]
+
+
+def test_first_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "my_theorem.py").write_text(block("python"), encoding="utf-8")
+    (tmp_path / "plant.toml").write_text(block("toml"), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    program, *words = block("sh", "lmic solve").split()
+    assert program == "lmic"
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 0, result.output
+    assert comparable(result.stdout) == comparable(block("text"))
+    violations = re.search(r"violation +(\S+) \(relative to diag S: (\S+)\)", result.stdout)
+    assert violations
+    assert all(float(value) < 1e-9 for value in violations.groups())
+
+
+def test_the_definition_has_fifteen_lines() -> None:
+    assert len([line for line in block("python").splitlines() if line.strip()]) == 15
+
+
+def test_every_command_is_in_the_readme() -> None:
+    for command in main.commands:
+        assert f"`lmic {command}" in README
+
+
+def test_the_makefile_has_the_two_commands() -> None:
+    makefile = (Path(__file__).parent.parent / "Makefile").read_text(encoding="utf-8")
+    for line in block("sh", "make").splitlines():
+        assert f"\n{line.split()[1]}:" in makefile
