@@ -19,7 +19,14 @@ def check_assumptions(binding: Binding) -> None:
     data = Design(binding, np.zeros(binding.layout.size))
     points = vertex_points(binding.domains)
     for condition in binding.theorem.assumes:
-        eigenvalues = np.linalg.eigvals(data.at(condition.matrix, points))
+        matrices = data.at(condition.matrix, points)
+        if not np.isfinite(matrices).all():
+            raise PlantError(
+                f"{condition.matrix} of {binding.plant.name} is not finite at a vertex of the domain; "
+                "shrink the domain away from the pole",
+                Place(binding.theorem.name),
+            )
+        eigenvalues = np.linalg.eigvals(matrices)
         sizes = np.abs(eigenvalues) if isinstance(condition, Schur) else eigenvalues.real
         found = sizes.max(axis=-1)
         worst = int(np.argmax(found))

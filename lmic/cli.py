@@ -101,7 +101,7 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
 
     theorem = library.theorem(name)
     if as_json:
-        return echo_json({lmi: writer.matrix(matrix) for lmi, matrix in theorem.lmis.items()})
+        return echo_json({name: writer.matrix(lmi) for name, lmi in writer.statement_lmis(theorem).items()})
     text = writer.document(theorem) if document else writer.theorem(theorem)
     if output:
         write_whole(output, text + "\n")
@@ -125,7 +125,7 @@ def solve(name: str, plant: Path, as_json: bool, **choices: Any) -> None:
         echo_json(reporting.result_record(result))
     else:
         reporting.print_result(result)
-    if not result.solution.status.usable:
+    if not result.solution.trusted:
         sys.exit(1)
 
 
@@ -169,6 +169,10 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
     from lmic.papers.reproduce import reproduce as run_table
     from lmic.papers.reproduce import run_simulation
 
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LmicError(f"the folder {output} cannot be made: {error.strerror}; choose another with -o") from error
     records = []
     trusted = True
     for table in select(names):

@@ -84,7 +84,7 @@ def block_array(rows: list[list[Array]]) -> Array:
 
 
 def _inverse(node: Inverse, matrix: Array) -> Array:
-    if np.linalg.cond(matrix).max() > 1 / np.finfo(float).eps:
+    if not np.isfinite(matrix).all() or np.linalg.cond(matrix).max() > 1 / np.finfo(float).eps:
         raise RecoveryError(
             f"{node.nodes[0]} is singular at the solution; ask for a larger margin or change the given scalars"
         )

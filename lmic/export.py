@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -47,10 +46,10 @@ def _sdpa_lines(problem: ConicProblem) -> Iterator[str]:
 
 def write_whole(path: Path, text: str) -> None:
     """Write a file completely or not at all."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(name).replace(path)
+        draft.write_text(text, encoding="utf-8")
+        draft.replace(path)
     except OSError as error:
+        draft.unlink(missing_ok=True)
         raise LmicError(f"{path} cannot be written: {error.strerror}; choose another place") from error

@@ -7,6 +7,7 @@ from typing import Any
 import sympy as sp
 
 from lmic.language.declarations import Star
+from lmic.language.nodes import Node
 from lmic.language.theorem import LMI, Theorem
 
 
@@ -28,20 +29,35 @@ def entry(block: Any) -> str:
     return text
 
 
+def statement_lmis(statement: Theorem) -> dict[str, LMI]:
+    """The LMIs with constant unknowns written without their argument."""
+
+    def written(block: Any) -> Any:
+        if not isinstance(block, Node):
+            return block
+        constant = {leaf: leaf.declaration for leaf in block.leaves() if leaf.name in statement.constant}
+        return block.replaced(constant)
+
+    return {
+        name: LMI(lmi.sense, tuple(tuple(map(written, row)) for row in lmi.rows))
+        for name, lmi in statement.lmis.items()
+    }
+
+
 def theorem(statement: Theorem) -> str:
     """All LMIs of a theorem, each with a label, as ``align`` would number them."""
     parts = [
         f"\\begin{{equation}}\\label{{eq:{statement.name}:{name}}}\n{matrix(lmi)}\n\\end{{equation}}"
-        for name, lmi in statement.lmis.items()
+        for name, lmi in statement_lmis(statement).items()
     ]
     return "\n".join(parts)
 
 
 def document(statement: Theorem) -> str:
     """A complete document that pdflatex compiles, its page as large as its matrices."""
-    bodies = "\n\n".join(f"$\\displaystyle {matrix(lmi)}$" for lmi in statement.lmis.values())
+    bodies = "\n\n".join(f"$\\displaystyle {matrix(lmi)}$" for lmi in statement_lmis(statement).values())
     return (
         "\\documentclass{article}\n\\usepackage{amsmath,amssymb}\n"
-        "\\usepackage[paperwidth=60cm,paperheight=30cm,margin=1cm]{geometry}\n"
+        "\\usepackage[paperwidth=90cm,paperheight=25cm,margin=1cm]{geometry}\n"
         f"\\pagestyle{{empty}}\n\\begin{{document}}\n\\noindent\n{bodies}\n\\end{{document}}\n"
     )

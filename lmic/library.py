@@ -54,17 +54,19 @@ def names() -> list[str]:
 def theorem(name: str | Path) -> Theorem:
     """A theorem by library name or by path; raises LibraryError with the nearest names."""
     text = str(name)
-    if text.endswith(".py") or ".py:" in text or "/" in text:
-        stem, _, variant = text.partition(".py")
-        return _with_name(load_file(Path(stem + ".py")), Path(stem).name, variant.removeprefix(":"))
+    file, _, variant = text.rpartition(":") if ".py:" in text else (text, "", "")
+    if file.endswith(".py") or "/" in file:
+        return _with_name(load_file(Path(file)), Path(file).stem, variant)
     if text in files():
         return replace(load_file(files()[text]), name=text)
     for file_name, path in files().items():
         variant = text.removeprefix(_group(file_name))
         if text.startswith(_group(file_name)) and variant in load_file(path).variants:
             return load_file(path).variant(variant, name=text)
-    near = get_close_matches(text, names(), n=3)
+    near = get_close_matches(text, files(), n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "'lmic list' shows all names"
+    if Path(f"{text}.py").is_file():
+        hint = f"for the file here write ./{text}.py"
     raise LibraryError(f"there is no theorem '{text}' in the library; {hint}")
 
 
@@ -82,9 +84,21 @@ def _group(name: str) -> str:
     return name.rpartition(".")[0] + "." if "." in name else ""
 
 
-@cache
 def load_file(path: Path) -> Theorem:
-    """Run a theorem file and return its ``theorem``; errors name the file and line."""
+    """Run a theorem file and return its ``theorem``; errors name the file and line.
+
+    A user's file is run anew each time, so that an edit counts; the library's are run once.
+    """
+    path = path.resolve()
+    return _load_once(path) if path.is_relative_to(root().resolve()) else _load(path)
+
+
+@cache
+def _load_once(path: Path) -> Theorem:
+    return _load(path)
+
+
+def _load(path: Path) -> Theorem:
     if not path.is_file():
         raise LibraryError(f"there is no file {path}; give the path of a theorem file or a name that 'lmic list' shows")
     module = _run(path)
@@ -105,7 +119,7 @@ def _run(path: Path) -> ModuleType:
         raise DefinitionError(f"{path}, line {error.lineno}: {error.msg}; correct the Python there") from error
     except LmicError as error:
         raise type(error)(f"{_place(path, error)}: {error}") from error
-    except Exception as error:  # the user's file may raise anything
+    except (Exception, SystemExit) as error:  # the user's file may raise anything
         raise DefinitionError(f"{_place(path, error)}: {type(error).__name__}: {error}; correct the line") from error
     finally:
         sys.dont_write_bytecode = wrote_bytecode

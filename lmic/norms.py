@@ -67,10 +67,10 @@ def torus_norm(A1: Array, A2: Array, B1: Array, B2: Array, C: Array) -> float:
     first, second = np.meshgrid(np.linspace(0, np.pi, TORUS), np.linspace(-np.pi, np.pi, 2 * TORUS), indexing="ij")
     values = gain(first, second)
     best = int(np.argmax(values))
-    refined = minimize(
-        lambda point: -float(gain(point[:1], point[1:])[0]),
-        np.array([first.flat[best], second.flat[best]]),
-        method="Nelder-Mead",
-        options={"xatol": 1e-9, "fatol": 1e-12},
-    )
-    return max(float(values.max()), -float(refined.fun))
+
+    def loss(point: Array) -> float:
+        return -float(gain(point[:1], point[1:])[0])
+
+    start = np.array([first.ravel()[best], second.ravel()[best]])
+    refined = minimize(loss, start, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12})
+    return max(float(values.max()), -loss(refined.x))

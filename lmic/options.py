@@ -73,7 +73,11 @@ class Choices:
 
     def dimensions(self) -> dict[str, int]:
         """``["nx=3"]`` as {"nx": 3}."""
-        return {name: _count(value, f"--size {name}") for name, value in _pairs(self.sizes, "--size").items()}
+        sizes = {name: _count(value, f"--size {name}") for name, value in _pairs(self.sizes, "--size").items()}
+        for name, value in sizes.items():
+            if value < 1:
+                raise LmicError(f"--size {name}={value}: a dimension is at least 1")
+        return sizes
 
     def relaxation(self) -> Relaxation:
         """The relaxation that the options ask for."""
@@ -91,7 +95,14 @@ def numbers(texts: Sequence[str], option: str) -> dict[str, Any]:
     """``["eps=150", "rho=1/3"]`` as exact numbers."""
     from lmic.plants.plant import exact_number
 
-    return {name: exact_number(value) for name, value in _pairs(texts, option).items()}
+    found: dict[str, Any] = {}
+    for name, value in _pairs(texts, option).items():
+        try:
+            found[name] = exact_number(value)
+            float(found[name])
+        except (LmicError, OverflowError) as error:
+            raise LmicError(f"{option} {name}={value}: give a finite number such as 0.5 or 1/3") from error
+    return found
 
 
 def degrees(texts: Sequence[str]) -> dict[str, int] | int:
@@ -123,6 +134,8 @@ def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:
     found: dict[str, str] = {}
     for text in texts:
         name, separator, value = text.partition("=")
+        if name.strip() in found:
+            raise LmicError(f"{option} gives {name.strip()} twice; give it once")
         if not separator or not name.strip():
             raise LmicError(f"'{option} {text}' has no name or no '='; write {option} NAME=VALUE")
         found[name.strip()] = value.strip()

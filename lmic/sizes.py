@@ -35,6 +35,15 @@ def solve_sizes(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place:
     symbols = set().union(
         *(size.free_symbols for node in theorem.nodes for leaf in node.leaves() for size in leaf.shape)
     )
+    for name, size in sizes.items():
+        symbol = next((s for s in symbols if s.name == name), None)
+        if symbol is None:
+            known = ", ".join(sorted(s.name for s in symbols))
+            raise ShapeError(f"{name} is no dimension of the theorem, which has {known}; correct the name", place)
+        if values.get(symbol, size) != size:
+            raise ShapeError(
+                f"{name} = {size} is asked for, but {witness[symbol]} has {name} = {values[symbol]}", place
+            )
     values |= {symbol: sizes[symbol.name] for symbol in symbols if symbol.name in sizes and symbol not in values}
     for name, leaf in theorem.data.items():
         found_shape = plant.matrices[name].shape

@@ -20,8 +20,8 @@ def console() -> Console:
 def table(*columns: str, title: str | None = None) -> Table:
     """An empty table in the project's style."""
     result = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", title_style="bold")
-    for column in columns:
-        result.add_column(column, overflow="fold")
+    for number, column in enumerate(columns):
+        result.add_column(column, overflow="fold", no_wrap=number == 0)
     return result
 
 

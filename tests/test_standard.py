@@ -7,7 +7,7 @@ at the two ends of an interval (ENDS), the expected value is that of the sampled
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatch
 from functools import partial
@@ -33,6 +33,9 @@ from lmic.search import bisect
 from lmic.solve.cone import Status
 
 NAMES = [name.removeprefix("standard.") for name in library.names() if name.startswith("standard.")]
+
+#: relative distance from a border at which feasibility is tried
+DELTA = 1e-4
 
 Matrices = Mapping[str, Any]
 
@@ -83,8 +86,9 @@ def matching(pattern: str) -> list[str]:
     return found
 
 
-def named(pattern: str, what: str) -> Any:
-    return [pytest.param(name, id=f"{name}-{what}") for name in matching(pattern)]
+def cases(table: Iterable[Any]) -> list[Any]:
+    """Every case with each of its theorems."""
+    return [pytest.param(name, case, id=f"{name}-{case.what}") for case in table for name in matching(case.pattern)]
 
 
 # Least norms --------------------------------------------------------------------------------------
@@ -111,11 +115,11 @@ def random_system(discrete: bool) -> dict[str, Any]:
     return {"A": A, "B": B, "C": C, **({"D": D} if discrete else {})}
 
 
-def gramian(discrete: bool, **s: Any) -> Any:
-    """Covariance of z for white w of unit intensity: C X Cᵀ + D Dᵀ with X the reachability Gramian."""
-    BB = s["B"] @ s["B"].T
-    X = solve_discrete_lyapunov(s["A"], BB) if discrete else solve_continuous_lyapunov(s["A"], -BB)
-    return s["C"] @ X @ s["C"].T + (s["D"] @ s["D"].T if discrete else 0)
+def h2(discrete: bool, A: Any, B: Any, C: Any, D: Any = 0) -> tuple[float, float]:
+    """H2 and generalised H2 norm: trace and largest eigenvalue of C X Cᵀ + D Dᵀ, X the reachability Gramian."""
+    X = solve_discrete_lyapunov(A, B @ B.T) if discrete else solve_continuous_lyapunov(A, -B @ B.T)
+    covariance = C @ X @ C.T + (D @ D.T if discrete else 0)
+    return sqrt(np.trace(covariance)), sqrt(np.linalg.eigvalsh(covariance).max())
 
 
 def peak_gain(s: Mapping[str, Any], discrete: bool) -> float:
@@ -162,6 +166,8 @@ RESONANCE = {"A": [[0, 1], [-1, "-1/5"]], "B": [[0], [1]], "C": [[1, 0]], "D": [
 DELAY_LINE = {"A": [[0, 0], [1, 0]], "B": [[1], [0]], "C": [[2, 3]], "D": [[1]]}
 CONTINUOUS, DISCRETE = random_system(False), random_system(True)
 UNIT = (0, 1)
+# a constant P sees every step as the whole interval
+STEPS = [("", "constant", 0), ("", 0.5, 0.5), ("", "free", 1), ("_quadratic", "constant", 1), ("_quadratic", "free", 1)]
 
 NORMS = [
     # |G(0)| = |bc/a|
@@ -192,20 +198,17 @@ NORMS = [
     Norm("bounded_real_discrete*", "switched pole", plant(scalars(A="r", B=1, C=1, D=0), ("-1/2", "1/2")), 2),
     # z_k = r_k w_{k-1} + (1 - r_k) w_k, |r_{k+1} - r_k| ≤ δ, P = p₀ + (p₁ - p₀)r. The Schur complements need
     # p₁ > 1/γ at r = 1 and p(δ) < γ - 1/γ at r = 0, so γ² > 1 + δ; p₀ → 0, p₁ → 1/γ attains it at all vertices
-    # of (r, r⁺). A constant P must satisfy both as if δ = 1
+    # of (r, r⁺)
     *(
         Norm(f"bounded_real_discrete{variant}", f"step {step}", plant(DELAYED, UNIT, step=step), sqrt(1 + delta))
-        for variant, step, delta in (
-            ("", "constant", 0), ("", 0.5, 0.5), ("", "free", 1), ("_quadratic", "constant", 1), ("_quadratic", "free", 1)
-        )
+        for variant, step, delta in STEPS
     ),
     # b²c²/2|a|
     Norm("h2_continuous* generalised_h2_continuous*", "lag", plant(scalars(A=-2, B=3, C=1)), 1.5),
-    # trace and largest eigenvalue of the covariance of z
-    Norm("h2_continuous*", "Gramian", plant(CONTINUOUS), sqrt(np.trace(gramian(False, **CONTINUOUS)))),
+    Norm("h2_continuous*", "Gramian", plant(CONTINUOUS), h2(False, **CONTINUOUS)[0]),
     Norm(
         "generalised_h2_continuous*", "Gramian", plant(CONTINUOUS),
-        sqrt(np.linalg.eigvalsh(gramian(False, **CONTINUOUS)).max()),
+        h2(False, **CONTINUOUS)[1],
     ),
     # 2p₀ - ν(p₀ - p₁) > 1, 8p₁ - ν(p₀ - p₁) > 1, μ > p₀, 4p₁: all tight at p₀ = 4p₁ = 1/(2 - 3ν/4) for ν ≤ 2;
     # a constant p = 1/2 has μ = 4p = 2
@@ -224,16 +227,14 @@ NORMS = [
     Norm("generalised_h2_continuous_quadratic", "any rate", plant(SCALED_OUTPUT, UNIT), sqrt(2)),
     # b²c²/(1 - a²) + d² = 9·4/3 + 4
     Norm("h2_discrete* generalised_h2_discrete*", "lag", plant(scalars(A="1/2", B=3, C=1, D=2)), 4),
-    Norm("h2_discrete*", "Gramian", plant(DISCRETE), sqrt(np.trace(gramian(True, **DISCRETE)))),
+    Norm("h2_discrete*", "Gramian", plant(DISCRETE), h2(True, **DISCRETE)[0]),
     Norm(
-        "generalised_h2_discrete*", "Gramian", plant(DISCRETE), sqrt(np.linalg.eigvalsh(gramian(True, **DISCRETE)).max())
+        "generalised_h2_discrete*", "Gramian", plant(DISCRETE), h2(True, **DISCRETE)[1]
     ),
     # P(r) > r², Z(r) > P(r⁺) + (1 - r)²: at r = 0, μ > p(δ) + 1 ≥ δp₁ + 1, attained by p₀ → 0, p₁ → 1
     *(
         Norm(f"h2_discrete{variant}", f"step {step}", plant(DELAYED, UNIT, step=step), sqrt(1 + delta))
-        for variant, step, delta in (
-            ("", "constant", 0), ("", 0.5, 0.5), ("", "free", 1), ("_quadratic", "constant", 1), ("_quadratic", "free", 1)
-        )
+        for variant, step, delta in STEPS
     ),
     # |z_k| = |c_k b_{k-1} w_{k-1}|, (b, c) = (1, 4), (4, 1): max b · max c, for a constant r max bc of the ends
     Norm("generalised_h2_discrete*", "b and c", plant(scalars(A=0, B="1+3*r", C="4-3*r", D=0), UNIT), 16),
@@ -249,7 +250,8 @@ NORMS = [
     Norm("state_feedback_hinf_continuous_[qr]*", "any rate", plant(TRANSPOSED, UNIT), 2 / sqrt(3), ENDS),
     *(
         Norm(
-            f"state_feedback_hinf_discrete{variant}", f"step {step}", plant(DELAYED_TRANSPOSED, UNIT, step=step), gamma, ENDS
+            f"state_feedback_hinf_discrete{variant}", f"step {step}", plant(DELAYED_TRANSPOSED, UNIT, step=step),
+            gamma, ENDS,
         )
         for variant, step, gamma in (
             ("", "constant", 1), ("", 0.5, sqrt(1.5)), ("", "free", sqrt(2)),
@@ -285,9 +287,7 @@ NORMS = [
     Norm("state_feedback_hinf_discrete_robust", "pole", plant({"A": [["r"]], **FEEDBACK}, UNIT), sqrt(5), gain=-0.5),
 ]  # fmt: skip
 
-NORM_CASES = [
-    pytest.param(name, case, id=f"{name}-{case.what}") for case in NORMS for name in matching(case.pattern)
-]
+NORM_CASES = cases(NORMS)
 
 
 @pytest.mark.parametrize(("name", "case"), NORM_CASES)
@@ -306,16 +306,16 @@ def test_least_norm(name: str, case: Norm) -> None:
             assert peak_gain(bounded, "discrete" in name) <= case.gamma * (1 + 1e-6)
 
 
+@pytest.mark.parametrize("side", [1, -1], ids=["above", "below"])
 @pytest.mark.parametrize(("name", "case"), NORM_CASES)
-def test_least_norm_is_the_border_of_feasibility(name: str, case: Norm) -> None:
-    loaded = theorem(name)
-    squared = 2 if loaded.minimise != loaded.reports["gamma"] else 1
-    for side in (1, -1):
-        level = (case.gamma * (1 + side * 1e-5)) ** squared
-        bounded = {**loaded.lmis, "level": PD(level * I(1) - loaded.minimise * I(1))}
-        posed = replace(loaded, lmis=bounded, minimise=None)
-        assert feasible(posed, case.plant, case.relaxation) is not None if side > 0 else True
-        assert feasible(posed, case.plant, case.relaxation) is None if side < 0 else True
+def test_least_norm_is_the_border_of_feasibility(name: str, case: Norm, side: int) -> None:
+    posed = theorem(name)
+    assert posed.minimise is not None
+    power = 1 if posed.minimise == posed.reports["gamma"] else 2
+    level = (case.gamma * (1 + side * DELTA)) ** power
+    bounded = {**posed.lmis, "level": PD(level * I(1) - posed.minimise * I(1))}
+    result = feasible(replace(posed, lmis=bounded, minimise=None), case.plant, case.relaxation)
+    assert (result is not None) == (side > 0)
 
 
 def feasible(
@@ -437,10 +437,7 @@ DECAY = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "case"),
-    [pytest.param(name, case, id=f"{name}-{case.what}") for case in DECAY for name in matching(case.pattern)],
-)
+@pytest.mark.parametrize(("name", "case"), cases(DECAY))
 def test_decay_rate(name: str, case: Decay) -> None:
     binding = prepare(theorem(name), case.plant, case.dependence)
     found = bisect(binding, 0.9 * case.rate, 1.1 * case.rate, relaxation=case.relaxation, tolerance=1e-7)
@@ -517,9 +514,7 @@ QUADRATIC_CONTINUOUS = (
     "state_feedback_continuous_quadratic state_feedback_continuous_robust "
     "observer_continuous_quadratic observer_continuous_constant_gain"
 )
-QUADRATIC_DISCRETE = (
-    "state_feedback_discrete_quadratic state_feedback_discrete_robust observer_discrete_quadratic"
-)
+QUADRATIC_DISCRETE = "state_feedback_discrete_quadratic state_feedback_discrete_robust observer_discrete_quadratic"
 SCHEDULED_DISCRETE = "state_feedback_discrete state_feedback_slack_discrete observer_discrete"
 ONE_GAIN_DISCRETE = "state_feedback_slack_discrete_robust observer_discrete_constant_gain"
 TURNING_UNKNOWNS = {"P": TURNING, "Q": TURNING, "Y": "constant", "Z": "constant"}
@@ -546,7 +541,7 @@ MARGINS = [
     ),
     # a constant P averages to I: A₀ + A₀ᵀ = [-2 k; k -4]
     Margin("stability_continuous_quadratic", "turning", stability(turning, TURN), sqrt(8), CIRCLE),
-    Margin(QUADRATIC_CONTINUOUS, "turning", feedback(turning, TURN), sqrt(8), CIRCLE, {"Y": "constant", "Z": "constant"}),
+    Margin(QUADRATIC_CONTINUOUS, "turning", feedback(turning, TURN), sqrt(8), CIRCLE, TURNING_UNKNOWNS),
     Margin("stability_continuous", "at rest", stability(turning, TURN, rate=0), inf, CIRCLE, {"P": TURNING}),
     Margin("stability_continuous", "slow turn", stability(turning, TURN, rate=0.25), SLOW_TURN, CIRCLE, {"P": TURNING}),
     Margin(
@@ -558,7 +553,8 @@ MARGINS = [
         "state_feedback_continuous_robust observer_continuous_constant_gain", "sign", stability(signed, (-1, 1)), 1
     ),
     Margin(
-        "state_feedback_continuous state_feedback_continuous_quadratic observer_continuous observer_continuous_quadratic",
+        "state_feedback_continuous state_feedback_continuous_quadratic observer_continuous "
+        "observer_continuous_quadratic",
         "sign", stability(signed, (-1, 1), rate=100), inf, ENDS,
     ),
     # spectral radius
@@ -576,8 +572,8 @@ MARGINS = [
     # this: with G = I, P₁ = diag(p, q) and P₂ = diag(q, p) the LMIs are q(2 - p) > k², 0 < p, q < 2
     Margin("stability_discrete* stability_poly_daafouz", "exchange", stability(exchange, UNIT), 1, POLYA),
     Margin(
-        "state_feedback_discrete* state_feedback_slack_discrete* observer_discrete*", "exchange", feedback(exchange, UNIT),
-        1, POLYA,
+        "state_feedback_discrete* state_feedback_slack_discrete* observer_discrete*", "exchange",
+        feedback(exchange, UNIT), 1, POLYA,
     ),
     Margin("stability_slack_deoliveira", "exchange", stability(exchange, UNIT), 2),
     Margin(ONE_GAIN_DISCRETE, "constant exchange", feedback(exchange, UNIT, step="constant"), 2),
@@ -592,21 +588,18 @@ MARGINS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "case"),
-    [pytest.param(name, case, id=f"{name}-{case.what}") for case in MARGINS for name in matching(case.pattern)],
-)
+@pytest.mark.parametrize(("name", "case"), cases(MARGINS))
 def test_margin(name: str, case: Margin) -> None:
     posed = theorem(name)
     dependence = {key: choice for key, choice in case.dependence.items() if key in posed.unknowns}
     pose = partial(feasible, posed, relaxation=case.relaxation, dependence=dependence)
-    result = pose(case.plant(100.0 if case.margin == inf else case.margin * (1 - 1e-4)))
+    result = pose(case.plant(100.0 if case.margin == inf else case.margin * (1 - DELTA)))
     assert result is not None
     if posed.recover:
         for closed in closed_loops(result):
             assert stable(closed["A"], "discrete" in name)
     if case.margin < inf:
-        assert pose(case.plant(case.margin * (1 + 1e-4))) is None
+        assert pose(case.plant(case.margin * (1 + DELTA))) is None
 
 
 def test_every_standard_theorem_has_a_case() -> None:

@@ -7,7 +7,7 @@ where the theorem, LMI and block can be named.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -69,6 +69,19 @@ class Node(MatrixExpr):
     def nodes(self) -> tuple[Node, ...]:
         """The matrix operands, left to right."""
         return tuple(arg for arg in self.args if isinstance(arg, Node))
+
+    def replaced(self, new: Mapping[Leaf, Leaf]) -> Node:
+        """The expression with named matrices replaced by others."""
+        args = [
+            arg.replaced(new)
+            if isinstance(arg, Node)
+            else sp.Tuple(*(entry.replaced(new) for entry in arg))
+            if isinstance(arg, sp.Tuple)
+            else arg
+            for arg in self.args
+        ]
+        result: Node = sp.Basic.__new__(type(self), *args)
+        return result
 
     def leaves(self) -> dict[Leaf, None]:
         """Every named matrix that occurs, with its arguments, in the order of appearance."""
@@ -160,6 +173,9 @@ class Leaf(Node):
 
     def leaves(self) -> dict[Leaf, None]:
         return {self: None}
+
+    def replaced(self, new: Mapping[Leaf, Leaf]) -> Node:
+        return new.get(self, self)
 
     def _sympystr(self, printer: Any) -> str:
         argument = f"({', '.join(map(str, self.arguments))})" if self.arguments else ""

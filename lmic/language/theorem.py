@@ -33,9 +33,18 @@ def ND(rows: Any) -> LMI:
     return LMI(-1, _rows(rows))
 
 
+def _is_scalar(expression: Any) -> bool:
+    try:
+        return isinstance(sp.sympify(expression, strict=True), sp.Expr)
+    except (sp.SympifyError, TypeError):
+        return False
+
+
 def _rows(rows: Any) -> tuple[tuple[Any, ...], ...]:
     if isinstance(rows, (Node, sp.Expr)):
         return ((rows,),)
+    if not isinstance(rows, (list, tuple)) or not all(isinstance(row, (list, tuple)) for row in rows):
+        raise DefinitionError(f"{rows!r} is no list of block rows; write PD([[P, A], [star, P]])")
     return tuple(tuple(row) for row in rows)
 
 
@@ -54,11 +63,12 @@ class Source:
     def short(self) -> str:
         """Authors, year and the statement's name."""
         statement = f", {self.statement}" if self.statement else ""
-        return f"{self.authors} ({self.year or 'n.d.'}){statement}"
+        return f"{self.authors}{f' ({self.year})' if self.year else ''}{statement}"
 
     def __str__(self) -> str:
         place = f", {self.statement}" if self.statement else ""
-        return f"{self.authors} ({self.year or 'n.d.'}). {self.title}. {self.venue}{place}."
+        year = f" ({self.year})" if self.year else ""
+        return f"{self.authors}{year}. {self.title}. {self.venue}{place}."
 
 
 @dataclass(frozen=True)
@@ -110,8 +120,29 @@ class Theorem:
     full: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        if not self.lmis:
-            raise DefinitionError(f"{self.name or 'the theorem'} states no LMI; give lmis={{'name': PD([[...]])}}")
+        if not isinstance(self.lmis, Mapping) or not self.lmis:
+            raise DefinitionError("the theorem states no LMI; give lmis={'name': PD([[...]])}")
+        for name, lmi in self.lmis.items():
+            if not isinstance(lmi, LMI):
+                raise DefinitionError(
+                    f"the LMI '{name}' is a {type(lmi).__name__}; wrap its block rows in PD(...) or ND(...)"
+                )
+        for what, expression in {"minimise": self.minimise, **self.reports}.items():
+            if expression is not None and (isinstance(expression, (str, Node)) or not _is_scalar(expression)):
+                raise DefinitionError(f"'{what}' is {expression!r}; give a scalar expression such as mu or sqrt(mu)")
+        for key, variant in self.variants.items():
+            if not all(isinstance(leaf, Leaf) for leaf in (*variant.constant, *variant.full)):
+                raise DefinitionError(f"the variant '{key}' names its unknowns by text; give the unknowns themselves")
+        clash = {s.name for s in self.scalar_unknowns} & set(self.unknowns)
+        if clash:
+            raise DefinitionError(f"{min(clash)} is both a scalar and a matrix unknown; rename one")
+        known = set(self.scalar_unknowns) | set(self.givens)
+        for what, expression in self.reports.items():
+            foreign = sp.sympify(expression).free_symbols - known
+            if foreign:
+                raise DefinitionError(
+                    f"the report '{what}' uses {min(map(str, foreign))}, which occurs in no LMI; report a scalar unknown"
+                )
 
     def variant(self, key: str, name: str = "") -> Theorem:
         """The theorem with one of its declared choices made."""

@@ -18,6 +18,7 @@ from lmic.papers.cases import Case, CaseTable, Simulation
 from lmic.papers.signals import signal
 from lmic.pipeline import Result, compile, run
 from lmic.plants.files import read_plant
+from lmic.relax.grid import Grid
 from lmic.simulate.discrete import simulate_discrete
 from lmic.simulate.plane import simulate_plane
 from lmic.simulate.trajectory import Trajectory
@@ -72,7 +73,7 @@ def reproduce(table: CaseTable) -> Iterator[Outcome]:
         trusted = result.solution.trusted
         if trusted:
             bounds[case.id] = value
-        yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(result))
+        yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(case, result))
 
 
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:
@@ -91,12 +92,14 @@ def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]
     return Verdict.REFUTED if below and Decimal(below) > case.paper + half_unit else Verdict.WORSE
 
 
-def _frozen_norm(result: Result) -> float | None:
-    """Largest frozen gain over the vertices of the domain, where the theorem bounds a gain."""
+def _frozen_norm(case: Case, result: Result) -> float | None:
+    """Largest frozen gain where the theorem bounds one: over the case's own points, else the vertices."""
     bounds = [bound for bound in result.theorem.guarantees if bound.norm == "l2 gain"]
     if not bounds or not result.solution.status.usable:
         return None
-    gains = frozen_gain(result.design, bounds[0].system, vertex_points(result.problem.binding.domains))
+    points = vertex_points(result.problem.binding.domains)
+    points |= {n: np.array(g.points) for n, g in case.relaxation.grid.items() if isinstance(g, Grid) and g.points}
+    gains = frozen_gain(result.design, bounds[0].system, points)
     return None if gains is None else float(gains.max())
 
 

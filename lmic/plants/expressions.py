@@ -143,7 +143,10 @@ def decimal(text: str) -> Fraction:
 
 def quoted(value: Any) -> str:
     """A short form of what the user wrote, for messages."""
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # Python prints no integer of more than 4300 digits
+        text = "a number of thousands of digits"
     return text if len(text) <= 80 else f"{text[:50]}...{text[-20:]}"
 
 

@@ -32,10 +32,8 @@ import json
 import keyword
 import os
 import re
-import struct
 import tomllib
 import zipfile
-import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -52,6 +50,7 @@ from numpy.typing import NDArray
 from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.errors import DomainError, PlantError
 from lmic.plants.expressions import RESERVED, decimal, parse, quoted, size
+from lmic.plants.matlab import read_arrays
 from lmic.plants.plant import Plant, exact_number, vertex_polynomial
 from lmic.polynomials import MatrixPolynomial
 
@@ -229,7 +228,7 @@ def _domain(name: str, entry: Mapping[str, Any]) -> Domain:
 
 def _new_simplex(name: str, vertices: int) -> SimplexDomain:
     if not 0 < vertices <= MAX_VERTICES:
-        raise PlantError(f"has {vertices} vertices; a simplex has from 1 to {MAX_VERTICES}")
+        raise PlantError(f"has {quoted(vertices)} vertices; a simplex has from 1 to {MAX_VERTICES}")
     return SimplexDomain.named(name, vertices)
 
 
@@ -363,34 +362,11 @@ def _read_npz(content: bytes, stem: str) -> Plant:
 
 
 def _read_mat(content: bytes, stem: str) -> Plant:
-    from scipy import io
-
-    if not content.startswith(b"MATLAB 5.0 MAT-file"):
-        version = "is of version 7.3" if content.startswith(b"MATLAB 7.3") else "is not a MATLAB file of version 5 to 7"
-        raise PlantError(f"{version}; save it in MATLAB with the option -v7")
-    stream: Any = BytesIO(content)
     with _readable("save it again with the option -v7"):
-        _refuse_size(_inflated_size(content))
-        kinds = {name: kind for name, _, kind in io.whosmat(stream)}
-        for name, kind in kinds.items():
-            if kind not in _MATLAB_KINDS:
-                raise PlantError(f"{quoted(name)} is a {kind} array; save full matrices of real numbers only")
-        arrays = io.loadmat(stream, variable_names=list(kinds))
+        arrays = read_arrays(content, MAX_BYTES)
     return _plant_of_arrays(
-        {name: np.moveaxis(arrays[name], -1, 0) if arrays[name].ndim == 3 else arrays[name] for name in kinds}, stem
+        {name: np.moveaxis(array, -1, 0) if array.ndim == 3 else array for name, array in arrays.items()}, stem
     )
-
-
-def _inflated_size(content: bytes) -> int:
-    """Bytes in the packed elements of a MATLAB 5 file once unpacked, counted up to the limit in each."""
-    order, position, total = "<" if content[126:128] == b"IM" else ">", 128, 0
-    while position + 8 <= len(content) and total <= MAX_BYTES:
-        kind, length = struct.unpack_from(f"{order}II", content, position)
-        position += 8
-        if kind == _MATLAB_PACKED:
-            total += len(zlib.decompressobj().decompress(content[position : position + length], MAX_BYTES + 1))
-        position += length
-    return total
 
 
 def _plant_of_arrays(arrays: Mapping[str, Array], stem: str) -> Plant:
@@ -431,9 +407,6 @@ def _exact(array: Array) -> Array:
         raise PlantError(f"{at_vertex}entry ({row},{column}) is not finite; replace it by a number")
     return np.array([Fraction(number) for number in array.ravel().tolist()], dtype=object).reshape(array.shape)
 
-
-_MATLAB_PACKED = 15
-_MATLAB_KINDS = {"double", "single", "char", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
 
 _READERS: Mapping[str, Callable[[bytes, str], Plant]] = {
     ".toml": _read_toml,

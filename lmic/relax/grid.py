@@ -53,6 +53,16 @@ def grid(axis: Axis, part: Monomials, choice: Grid) -> AxisRelaxation:
     return AxisRelaxation(f"grid of {len(points)} points", weights, labels, Soundness.SAMPLED)
 
 
+def check_grid(name: str, choice: Grid) -> None:
+    """Raise RelaxationError for a grid that makes no sense on any domain."""
+    if choice.kind not in ("uniform", "chebyshev", "random", "points"):
+        raise RelaxationError(
+            f"'{choice.kind}' is no kind of grid for {name}; use uniform, chebyshev, random or points"
+        )
+    if choice.kind != "points" and choice.count < 1:
+        raise RelaxationError(f"the grid for {name} has no point; give a count of at least 1")
+
+
 def grid_points(axis: Axis, choice: Grid) -> Array:
     """The points on an axis, shape (K, symbols)."""
     domain = axis.domain
@@ -61,12 +71,8 @@ def grid_points(axis: Axis, choice: Grid) -> Array:
         if points.ndim != 2 or points.shape[1] != len(axis.symbols):
             raise RelaxationError(f"the grid points of {axis.name} need {len(axis.symbols)} coordinates each")
         return points
-    if choice.count < 1:
-        raise RelaxationError(f"the grid on {axis.name} has no point; give a count of at least 1")
     if choice.kind == "random":
         return domain.sample(choice.count, np.random.default_rng(choice.seed))
-    if choice.kind not in ("uniform", "chebyshev"):
-        raise RelaxationError(f"'{choice.kind}' is no kind of grid; use uniform, chebyshev, random or points")
     if domain.kind == "simplex":
         parts = max(choice.count - 1, 1)
         return homogeneous_exponents(len(domain.components), parts) / parts

@@ -11,17 +11,21 @@ Littlewood, Pólya, *Inequalities*, 2.24). Degree 0 on two simplexes is Lemma 1 
 from __future__ import annotations
 
 from itertools import combinations_with_replacement
-from math import factorial, prod
+from math import comb, factorial, prod
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.errors import RelaxationError
 from lmic.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.space import Axis
 
 Array: TypeAlias = NDArray[Any]
+
+#: coefficients on one axis that are still written down
+MAX_COEFFICIENTS = 100_000
 
 
 def polya(axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
@@ -29,13 +33,19 @@ def polya(axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
     exponents = part.over(axis.symbols)
     corners = axis.domain.vertices
     target = int(exponents.sum(axis=1).max()) + degree
+    count = comb(len(corners) + target - 1, target)
+    if count > MAX_COEFFICIENTS:
+        raise RelaxationError(
+            f"Pólya degree {degree} on {axis.name} makes {count} coefficients; take a degree that makes fewer than {MAX_COEFFICIENTS}"
+        )
     targets = homogeneous_exponents(len(corners), target)
     weights = np.stack([_form(corners, powers, target, targets) for powers in exponents], axis=1)
     names = (
         [str(s) for s in axis.symbols] if axis.domain.kind == "simplex" else [f"v{k + 1}" for k in range(len(corners))]
     )
     labels = tuple(_label(axis, names, powers) for powers in targets)
-    return AxisRelaxation(f"Pólya degree {degree}", weights, labels, Soundness.SUFFICIENT)
+    soundness = Soundness.EXACT if len(corners) == 1 else Soundness.SUFFICIENT
+    return AxisRelaxation(f"Pólya degree {degree}", weights, labels, soundness)
 
 
 def _form(corners: Array, powers: Array, target: int, targets: Array) -> Array:

@@ -18,12 +18,15 @@ from lmic.errors import RelaxationError
 from lmic.parametric import ParametricLMI
 from lmic.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, LMIFamily
-from lmic.relax.grid import Grid, grid
+from lmic.relax.grid import Grid, check_grid, grid
 from lmic.relax.polya import polya
 from lmic.relax.space import Axis, Space, space
 from lmic.relax.vertices import vertices
 
 Array: TypeAlias = NDArray[Any]
+
+#: Pólya degrees above this make more LMIs than any solver takes
+MAX_DEGREE = 50
 
 METHODS = ("auto", "vertices", "polya", "grid")
 
@@ -33,7 +36,8 @@ class Relaxation:
     """How parameters are made finite. Every mapping is keyed by a parameter (``r``), an instance
     (``r[c]``, ``alpha+``) or a component's symbol (``rho1``); the most special key wins.
 
-    ``method``: "auto" (affine → vertices, polynomial on a simplex → Pólya, otherwise grid),
+    ``method``: "auto" (affine → vertices, polynomial on a simplex or a joint polytope → Pólya,
+    otherwise grid),
     "vertices", "polya" or "grid". ``polya``: degrees, 0 where nothing is said. ``grid``: the
     points where a grid is used. ``ties``: instances that are equal, {"b": "a"}.
     """
@@ -82,8 +86,9 @@ def _relax_axis(lmi: ParametricLMI, axis: Axis, part: Monomials, choice: Relaxat
     points = _option(choice.grid, axis, None)
     if method == "auto":
         asked = not isinstance(choice.polya, int) and any(key in choice.polya for key in axis.keys)
-        on_simplex = axis.domain.kind == "simplex"
-        method = "vertices" if affine else "polya" if polynomial and (on_simplex or asked) else "grid"
+        # a box may be gridded side by side; on simplexes and joint polytopes coefficients are natural
+        natural = axis.domain.kind != "box" or asked
+        method = "vertices" if affine else "polya" if polynomial and natural else "grid"
     if method == "vertices" and affine:
         return vertices(axis, part)
     if method == "polya" and polynomial:
@@ -93,11 +98,11 @@ def _relax_axis(lmi: ParametricLMI, axis: Axis, part: Monomials, choice: Relaxat
     degree = (
         "not polynomial" if not polynomial else "affine" if affine else f"of degree {part.exponents.sum(axis=1).max()}"
     )
-    fitting = [m for m, fits in (("vertices", affine), ("polya", polynomial)) if fits] + ["grid"]
-    missing = f", but no grid is given for {axis.parameter}" if method == "grid" else f", so '{method}' does not apply"
+    mends = [(f"--relax {axis.parameter}=vertices", affine), (f"--polya {axis.parameter}=0", polynomial)]
+    fitting = [mend for mend, fits in mends if fits] + [f"--grid {axis.parameter}=5"]
+    missing = ", but no grid is given" if method == "grid" else f", so '{method}' does not apply"
     raise RelaxationError(
-        f"the dependence on {axis.name} is {degree}{missing}; what fits: {', '.join(fitting)} "
-        f"(as grid={{'{axis.parameter}': 5}} or polya={{'{axis.parameter}': 0}})",
+        f"the dependence on {axis.name} is {degree}{missing}; what fits: {' or '.join(fitting)}",
         lmi.place,
     )
 
@@ -116,6 +121,13 @@ def _check_keys(choice: Relaxation, geometry: Space) -> None:
     for method in choice.method.values():
         if method not in METHODS:
             raise RelaxationError(f"'{method}' is no relaxation; use {', '.join(METHODS)}")
+    for name, points in choice.grid.items():
+        check_grid(name, points if isinstance(points, Grid) else Grid(points))
+    degrees = [choice.polya] if isinstance(choice.polya, int) else list(choice.polya.values())
+    if any(not 0 <= degree <= MAX_DEGREE for degree in degrees):
+        raise RelaxationError(
+            f"Pólya degrees go from 0 to {MAX_DEGREE}; beyond that the LMIs are too many to write down"
+        )
 
 
 def _check_memory(lmi: ParametricLMI, relaxed: list[AxisRelaxation]) -> None:

@@ -12,6 +12,10 @@ from lmic.solve.cone import Status
 Array: TypeAlias = NDArray[Any]
 
 
+#: an objective smaller than this is compared absolutely
+ABSOLUTE = 1e-6
+
+
 @dataclass(frozen=True)
 class Pass:
     """One call of the solver: its word, and the answer measured on the problem itself."""
@@ -53,8 +57,8 @@ class Solution:
 
     @property
     def gap(self) -> float:
-        """Relative distance between the objective and the dual bound."""
-        return abs(self.value - self.bound) / max(abs(self.value), 1e-300)
+        """Distance between the objective and the dual bound, relative to the objective."""
+        return abs(self.value - self.bound) / max(abs(self.value), ABSOLUTE)
 
     @property
     def trusted(self) -> bool:

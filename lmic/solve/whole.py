@@ -13,7 +13,7 @@ from lmic.assemble import ConicProblem
 from lmic.solve import scaling
 from lmic.solve.cone import ConeAnswer, ConeData, ConeSolver, Status
 from lmic.solve.lineality import lineality
-from lmic.solve.solution import Pass, Solution
+from lmic.solve.solution import ABSOLUTE, Pass, Solution
 
 Array: TypeAlias = NDArray[Any]
 
@@ -22,6 +22,12 @@ PASSES = 6
 #: an answer within this relative violation and this relative gap is trusted
 TRUSTED_VIOLATION = 1e-9
 TRUSTED_GAP = 1e-7
+#: a feasible point has least eigenvalues above this, relative to the diagonal
+STRICT = 1e-11
+#: a largest margin up to this means that there is none
+NO_MARGIN = 1e-8
+#: bound on the sum of traces in a search for the largest margin, per unit of order and data
+TRACE_LIMIT = 1e4
 #: passes stop when violation and gap are within this (see _Candidate.merit)
 SETTLED = 1e-9
 
@@ -41,7 +47,7 @@ class _Candidate:
         A violation counts a thousandfold: a thin interior turns it into many times its size in
         the objective, and it spoils the bound, which a gap does not.
         """
-        gap = abs(self.step.value - self.step.bound) / max(abs(self.step.value), 1e-12)
+        gap = abs(self.step.value - self.step.bound) / max(abs(self.step.value), ABSOLUTE)
         return max(1e3 * self.step.violation, gap) if np.isfinite(gap) else np.inf
 
 
@@ -57,7 +63,7 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
     best, steps = _iterate(reduced, solver, passes)
     if best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6):
-        if margin(problem, solver, passes).value > 0:
+        if margin(problem, solver, passes).value <= NO_MARGIN:
             return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
     if best.answer.status is Status.UNBOUNDED:
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, steps)
@@ -67,31 +73,44 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
 
 
 def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
-    """The least t ≥ -1 for which some x has F_k(x) + t·I ⪰ 0 for all k: negative means feasible."""
+    """The largest t ≤ 1 for which some x has F_k(x) ⪰ t·I for all k, and that x.
+
+    Positive means strictly feasible. The sum of the traces is bounded, so that a condition
+    homogeneous in its unknowns has a bounded set of solutions.
+    """
     identity = np.concatenate([_svec_identity(int(order)) for order in problem.orders])
-    column = sps.csc_array(np.concatenate([identity, [1.0]])[:, None])
-    matrix = sps.vstack([problem.matrix, sps.csc_array((1, problem.size))]).tocsc()
+    matrix, offset = problem.matrix, problem.offset
+    limit = TRACE_LIMIT * (problem.orders.sum() + np.abs(offset).sum())
+    trace = sps.csc_array(-(matrix.T @ identity)[None, :])
+    left = sps.vstack([matrix, sps.csc_array((1, problem.size)), trace])
+    right = sps.csc_array(np.concatenate([-identity, [-1.0, 0.0]])[:, None])
     data = ConeData(
-        np.concatenate([np.zeros(problem.size), [1.0]]),
-        sps.hstack([matrix, column]).tocsc(),
-        np.concatenate([problem.offset, [1.0]]),
-        np.concatenate([problem.orders, [1]]),
+        np.concatenate([np.zeros(problem.size), [-1.0]]),
+        sps.csc_array(sps.hstack([left, right])),
+        np.concatenate([offset, [1.0, limit - offset @ identity]]),
+        np.concatenate([problem.orders, [1, 1]]),
     )
     kept = lineality(data.matrix).kept
     best, steps = _iterate(replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept]), solver, passes)
     x = np.zeros(problem.size + 1)
     x[kept] = best.x
     found = judged(problem, best, x[:-1], steps, problem.size + 1 - len(kept), solver)
-    return replace(found, value=float(x[-1]), bound=best.step.bound, dual=best.dual[:-1])
+    return replace(found, value=float(x[-1]), bound=-best.step.bound, dual=best.dual[:-2])
 
 
 def _feasibility(problem: ConicProblem, solver: ConeSolver, passes: int) -> Solution:
+    """A strictly feasible point; what was measured at it decides, not the solver's word."""
     found = margin(problem, solver, passes)
-    if not found.status.usable:
-        return found
-    if found.value >= 0 or found.violation < 0:
-        return replace(found, status=Status.INFEASIBLE, warnings=())
-    return replace(found, value=0.0, bound=0.0, warnings=())
+    packed = problem.matrix @ found.x + problem.offset
+    least, relative, place = _worst(packed, packed, problem.orders)
+    measured = replace(
+        found, violation=min(least, 0.0), relative_violation=min(relative, 0.0), worst=problem.label(place)
+    )
+    if relative > STRICT:
+        return replace(measured, status=Status.SOLVED, value=0.0, bound=0.0, warnings=())
+    if found.value <= NO_MARGIN:
+        return replace(measured, status=Status.INFEASIBLE, warnings=(Status.INFEASIBLE.advice,))
+    return replace(measured, status=Status.ALMOST, value=0.0, bound=0.0, warnings=_warnings(measured))
 
 
 def _svec_identity(order: int) -> Array:
@@ -137,7 +156,8 @@ def _worst(packed: Array, slack: Array, orders: Array) -> tuple[float, float, in
     for k, (matrix, reference) in enumerate(zip(matrices, scaling.slack_matrices(slack, orders), strict=True)):
         if not np.isfinite(matrix).all():
             return -np.inf, -np.inf, k
-        diagonal = np.maximum(np.diag(reference), np.finfo(float).tiny)
+        diagonal = np.diag(reference)
+        diagonal = np.maximum(diagonal, 1e-14 * np.abs(diagonal).max() + np.finfo(float).tiny)
         root = 1 / np.sqrt(diagonal)
         least = min(least, float(np.linalg.eigvalsh(matrix)[0]))
         scaled = float(np.linalg.eigvalsh(root[:, None] * matrix * root)[0])
