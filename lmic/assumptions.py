@@ -42,5 +42,7 @@ def check_assumptions(binding: Binding) -> None:
 
 def vertex_points(domains: Mapping[str, Domain]) -> dict[str, Any]:
     """All combinations of the domains' vertices, for each parameter an array of its values."""
+    if not domains:
+        return {}
     combined = np.indices([len(domain.vertices) for domain in domains.values()]).reshape(len(domains), -1)
     return {name: domain.vertices[index] for (name, domain), index in zip(domains.items(), combined, strict=True)}

@@ -169,13 +169,14 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
     from lmic.papers.reproduce import reproduce as run_table
     from lmic.papers.reproduce import run_simulation
 
+    tables = select(names)
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise LmicError(f"the folder {output} cannot be made: {error.strerror}; choose another with -o") from error
+        raise LmicError(f"the folder {output} cannot be written: {error.strerror}; choose another with -o") from error
     records = []
     trusted = True
-    for table in select(names):
+    for table in tables:
         outcomes = {}
         with terminal.progress(len(table.cases), table.paper, quiet=as_json) as advance:
             for outcome in run_table(table):

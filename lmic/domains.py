@@ -181,6 +181,8 @@ def rate_polytope(domain: Domain, bounds: Bounds) -> Domain:
     if not isinstance(domain, SimplexDomain):
         ends = [(Fraction(low), Fraction(high)) for low, high in rates]
         return BoxDomain(domain.components, tuple(low for low, _ in ends), tuple(high for _, high in ends))
+    if all(low == high == 0 for low, high in rates):
+        return PolytopeDomain(domain.components, ((0.0,) * len(rates),))
     free = len(rates) - 1
     rows = []
     for i, (least, most) in enumerate(rates[:free]):

@@ -46,6 +46,8 @@ def _sdpa_lines(problem: ConicProblem) -> Iterator[str]:
 
 def write_whole(path: Path, text: str) -> None:
     """Write a file completely or not at all."""
+    if path.is_dir():
+        raise LmicError(f"{path} cannot be written: it is a folder; name a file in it")
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         draft.write_text(text, encoding="utf-8")

@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
+from sympy.polys.polyutils import dict_from_expr
 
 Array: TypeAlias = NDArray[Any]
 Atom: TypeAlias = sp.Expr
@@ -100,6 +101,8 @@ def atom_values(atom: Atom, values: Mapping[sp.Symbol, Any]) -> Array:
     if atom in values:
         return np.asarray(values[atom], dtype=float)
     symbols = sorted(atom.free_symbols, key=str)
+    # numpy has no integers beyond 64 bits
+    atom = atom.xreplace({n: sp.Float(n) for n in atom.atoms(sp.Integer) if abs(n) > 2**53})
     function = sp.lambdify(symbols, atom, "numpy")
     return np.asarray(function(*(np.asarray(values[symbol], dtype=float) for symbol in symbols)), dtype=float)
 
@@ -136,7 +139,10 @@ class MatrixPolynomial:
         values = [value for terms in entries for value in terms.coefficients]
         for index, (monomial, entry) in enumerate(zip(inverse, place, strict=True)):
             coefficients[monomial, entry] += values[index]
-        return cls(monomials, coefficients.reshape(len(monomials), *matrix.shape))
+        used = (coefficients != 0).any(axis=1)
+        used[0] |= not used.any()
+        kept = Monomials(monomials.atoms, monomials.exponents[used])
+        return cls(kept, coefficients[used].reshape(len(kept), *matrix.shape)).merged()
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -212,16 +218,16 @@ class ScalarTerms(Monomials):
 
 def scalar_terms(expression: sp.Expr) -> ScalarTerms:
     """A scalar expression as a polynomial in its atoms, e.g. ``2*a*sin(r) + r**2``."""
-    expression = sp.sympify(expression)
+    expression = sp.expand(sp.sympify(expression))
     if expression.is_Rational:
         return ScalarTerms((), np.zeros((1, 0), dtype=np.int64), (Fraction(int(expression.p), int(expression.q)),))
-    if expression.is_Symbol:
-        return ScalarTerms((expression,), np.ones((1, 1), dtype=np.int64), (Fraction(1),))
-    polynomial = sp.Poly(expression, domain="QQ") if expression.free_symbols else sp.Poly(expression, expression)
-    terms = polynomial.terms()
-    exponents = np.array([powers for powers, _ in terms], dtype=np.int64).reshape(len(terms), -1)
-    coefficients = tuple(Fraction(int(c.p), int(c.q)) for _, c in terms)
-    return ScalarTerms(tuple(polynomial.gens), exponents, coefficients)
+    # functions stay whole: sympy would split exp(0.123*x) into exp(x/1000)**123
+    hidden = {function: sp.Dummy() for function in sorted(expression.atoms(sp.Function), key=str)}
+    shown = {dummy: function for function, dummy in hidden.items()}
+    terms, generators = dict_from_expr(expression.xreplace(hidden), domain=sp.QQ)
+    exponents = np.array(list(terms), dtype=np.int64).reshape(len(terms), -1)
+    coefficients = tuple(Fraction(int(c.numerator), int(c.denominator)) for c in terms.values())
+    return ScalarTerms(tuple(generator.xreplace(shown) for generator in generators), exponents, coefficients)
 
 
 def scalar_polynomial(expression: sp.Expr) -> MatrixPolynomial:

@@ -412,7 +412,7 @@ def nft_synthesis(
 ) -> Array:  # fmt: skip
     """(37) and (48): (33) and (46) at P = Ω⁻¹P̂Ω⁻ᵀ …, congruent by Ωᵀ in every copy of the state, see (39)–(41)."""
     filt, slack, Omega = nft_unknowns(*H, hats)
-    plain = [inv(Omega) @ M @ inv(Omega).T for M in (P1, P2, Q1, Q2)]
+    plain: Any = [inv(Omega) @ M @ inv(Omega).T for M in (P1, P2, Q1, Q2)]
     matrix = nft_performance(p, filt, *plain, E, F, slack, K, supply, gamma)
     head = sum(nft_sizes(p)[4:])
     tail = len(matrix) - 5 * len(Omega) - head
@@ -425,7 +425,7 @@ def nft_synthesis_output(
 ) -> Array:  # fmt: skip
     """(47): (45) at X = Ω⁻¹X̂Ω⁻ᵀ …, congruent by Ωᵀ in the state."""
     filt, _, Omega = nft_unknowns(*H, hats)
-    plain = [inv(Omega) @ M @ inv(Omega).T for M in (X1, X2, Y1, Y2)]
+    plain: Any = [inv(Omega) @ M @ inv(Omega).T for M in (X1, X2, Y1, Y2)]
     matrix = nft_output(p, filt, *plain, E, F, K, eps, mu)
     return congruence(matrix, Omega.T, np.eye(len(matrix) - len(Omega)))
 

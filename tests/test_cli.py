@@ -277,7 +277,7 @@ def test_reproduce_as_json(folder: Path) -> None:
         assert (record["status"], record["verdict"]) == ("solved", verdict)
         assert 0 < record["seconds"] < 60
         assert record["frozen_norm"] <= record["value"]
-        assert record["simulated_gain"] <= record["value"]
+        assert record["achieved"] <= record["value"]
 
 
 def test_reproduce_as_a_table(folder: Path) -> None:

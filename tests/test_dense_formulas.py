@@ -230,10 +230,11 @@ def chen2006(random: Random) -> dict[str, Case]:
     hats = random.named({f"{name[0]}hat{name[1:]}": shape for name, shape in filters.items()})
     gamma, mu, eps = 1.7, 2.3, 0.35
     scalars = {"gamma": gamma, "mu": mu, "epsilon": eps}
-    small = [random.positive(nx) for _ in range(4)]
-    P, X = ([random.positive(2 * nx) for _ in range(4)] for _ in range(2))
+    small: Any = [random.positive(nx) for _ in range(4)]
+    P: Any = [random.positive(2 * nx) for _ in range(4)]
+    X: Any = [random.positive(2 * nx) for _ in range(4)]
     H, J = random.matrix(2 * nx, 2 * nx), random.matrix(2 * nx, 2 * nx)
-    slack = [random.matrix(nx, nx) for _ in range(3)]
+    slack: Any = [random.matrix(nx, nx) for _ in range(3)]
     multipliers: dict[str, Array] = {}
     for k, size in ((1, 2 * nd), (2, nd), (3, 2 * nd)):
         multipliers |= {f"E_{k}(alpha)": random.positive(size), f"F_{k}(alpha)": -random.positive(size)}
@@ -254,7 +255,8 @@ def chen2006(random: Random) -> dict[str, Case]:
     synthesis = at("alpha", p) | vars(hats) | multipliers | lyapunov("hat")
     synthesis |= {f"{s}hat_{k + 1}": slack[k] for s in "HJ" for k in range(3)}
     uncertainty = [dense.nft_uncertainty(p.Delta, *m) for m in zip(E, F, V, strict=True)]
-    state, peak = ((1 - eps) / 2, None), (eps, mu)
+    state: Any = ((1 - eps) / 2, None)
+    peak: Any = (eps, mu)
     h_infinity = dense.nft_synthesis(p, hats, *P, E[0], F[0], slack, K[0], gamma, gamma)
     energy = {
         "output_uncertainty": uncertainty[1],
@@ -265,7 +267,8 @@ def chen2006(random: Random) -> dict[str, Case]:
 
     def design(found: Mapping[str, Array]) -> tuple[Array, Array]:
         expected = vars(dense.nft_unknowns(*slack, hats)[0])
-        return tuple(np.concatenate([m[key].ravel() for key in sorted(found)]) for m in (found, expected))
+        first, second = (np.concatenate([m[key].ravel() for key in sorted(found)]) for m in (found, expected))
+        return first, second
 
     return {
         "theorem1": Case(
@@ -367,7 +370,7 @@ def standard(random: Random) -> dict[str, Case]:
         shared |= {f"{name}(rho)": P, f"{name}(rho+)": following, f"dot({name}(rho))": rate}
 
     def case(leaves: Mapping[str, Array] | None = None, **lmis: Array) -> Case:
-        return Case(sizes, shared | (leaves or {}), {"beta": beta, "gamma": gamma, "mu": mu}, lmis)
+        return Case(sizes, {**shared, **(leaves or {})}, {"beta": beta, "gamma": gamma, "mu": mu}, lmis)
 
     def stored(x: Array, w: Array) -> float:
         step, z = A @ x + B @ w, C @ x + D @ w

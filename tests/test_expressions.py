@@ -206,6 +206,7 @@ def test_refuses(text: str, message: str) -> None:
         ("*".join(["(" + "+".join("x" * 40) + ")"] * 10), f"parts; use at most {MAX_NODES}"),
         ("*".join(f"(x + {n})" for n in range(40)), "is too large multiplied out"),
         ("9**50**50**50", "is not an integer"),
+        ("1/(1 + " * 60 + "x" + ")" * 60, "operations inside one another"),
         ("exp(exp(exp(200)))", "is not a finite real number"),
     ],
 )
@@ -237,7 +238,9 @@ def test_sympy_is_kept_from_expensive_rules(text: str) -> None:
 
 
 def test_limits_leave_room() -> None:
-    assert parse("+".join(f"{n}*x" for n in range(40)), SYMBOLS) == 780 * x
+    assert parse("+".join(f"{n}*x" for n in range(120)), SYMBOLS) == 7140 * x
+    assert parse("x + (" * 150 + "1" + ")" * 150, SYMBOLS) == 150 * x + 1
+    assert parse("*".join(["x"] * MAX_DEGREE), SYMBOLS) == x**MAX_DEGREE
     assert parse(f"(x + 1)**{MAX_DEGREE}", SYMBOLS) == (x + 1) ** MAX_DEGREE
     assert sp.Poly(sp.expand(parse("(x + y + 1)**20", SYMBOLS)), x, y).total_degree() == 20
 

@@ -337,7 +337,8 @@ def closed_loops(result: Result) -> list[dict[str, Any]]:
     """The plant's matrices at the ends of r with the recovered gain closed by hand."""
     subject = result.problem.binding.plant
     closed = []
-    for point in subject.domains["rho"].vertices if subject.domains else [[]]:
+    points: Any = subject.domains["rho"].vertices if subject.domains else [[]]
+    for point in points:
         at = {} if not subject.domains else {"rho": point}
         symbols = {sp.Symbol("r"): np.array([v]) for v in point}
         m = {name: matrix.evaluate(symbols)[0] for name, matrix in subject.matrices.items()}
@@ -603,5 +604,5 @@ def test_margin(name: str, case: Margin) -> None:
 
 
 def test_every_standard_theorem_has_a_case() -> None:
-    tried = {name for case in (*NORMS, *DECAY, *MARGINS) for name in matching(case.pattern)}
-    assert tried == set(NAMES)
+    patterns = [case.pattern for table in (NORMS, DECAY, MARGINS) for case in table]
+    assert {name for pattern in patterns for name in matching(pattern)} == set(NAMES)

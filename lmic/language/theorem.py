@@ -135,7 +135,7 @@ class Theorem:
                 raise DefinitionError(f"the variant '{key}' names its unknowns by text; give the unknowns themselves")
         clash = {s.name for s in self.scalar_unknowns} & set(self.unknowns)
         if clash:
-            raise DefinitionError(f"{min(clash)} is both a scalar and a matrix unknown; rename one")
+            raise DefinitionError(f"{min(clash)} is both a scalar and a matrix unknown; give them different names")
         known = set(self.scalar_unknowns) | set(self.givens)
         for what, expression in self.reports.items():
             foreign = sp.sympify(expression).free_symbols - known

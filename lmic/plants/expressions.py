@@ -27,7 +27,7 @@ from lmic.errors import ExpressionError
 
 MAX_TEXT = 2000  # characters
 MAX_NODES = 500  # operators, names, numbers and calls
-MAX_DEPTH = 50  # operations inside one another
+MAX_DEPTH = 50  # operations inside one another, sums and products apart
 MAX_CALLS = 3  # functions inside one another: sympy's time is exponential in this
 MAX_DEGREE, MAX_TERMS = 50, 500  # of the expression multiplied out
 MAX_ARGUMENT_DEGREE, MAX_ARGUMENT_TERMS = 5, 20  # of a function's argument multiplied out
@@ -108,6 +108,7 @@ def parse(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
 
     Raises ExpressionError, quoting the text and the offending part, if it is not one of the
     expressions above, passes a limit, or holds a constant that is infinite, complex or undefined.
+    Functions of symbols stay as written, and ``where`` becomes Where.
     """
     try:
         text = " ".join(text.split())
@@ -150,6 +151,20 @@ def quoted(value: Any) -> str:
     return text if len(text) <= 80 else f"{text[:50]}...{text[-20:]}"
 
 
+def size(expression: sp.Expr) -> tuple[int, int]:
+    """Bounds on the number of terms and on the degree once multiplied out; a function is one factor."""
+    match expression:
+        case sp.Add(args=parts) | sp.Mul(args=parts):
+            terms, degrees = zip(*map(size, parts), strict=True)
+            return (sum(terms), max(degrees)) if expression.is_Add else (math.prod(terms), sum(degrees))
+        case sp.Pow(base=base, exp=exponent) if exponent.is_Rational:
+            count, degree = size(base)
+            times = math.ceil(abs(exponent))
+            return math.comb(count + times - 1, times), degree * times
+        case _:
+            return 1, int(not expression.is_Rational)
+
+
 def _syntax_tree(text: str) -> ast.expr:
     """Python's own syntax tree of the text, of limited size."""
     if len(text) > MAX_TEXT:
@@ -166,7 +181,7 @@ def _syntax_tree(text: str) -> ast.expr:
         raise ExpressionError(f"{quoted(text)} is not an expression ({reason}); correct its syntax") from None
     for found, limit, what in (
         (sum(1 for node in ast.walk(tree) if isinstance(node, ast.expr)), MAX_NODES, "parts"),
-        (_height(tree, lambda node: isinstance(node, ast.expr)), MAX_DEPTH, "operations inside one another"),
+        (_height(tree, _is_nesting), MAX_DEPTH, "operations inside one another"),
         (_height(tree, _is_function_call), MAX_CALLS, "functions inside one another"),
     ):
         if found > limit:
@@ -176,7 +191,17 @@ def _syntax_tree(text: str) -> ast.expr:
 
 def _height(node: ast.AST, counts: Callable[[ast.AST], bool]) -> int:
     """The most nodes that count on any path down from this one."""
-    return counts(node) + max((_height(child, counts) for child in ast.iter_child_nodes(node)), default=0)
+    below = 0
+    for child in ast.iter_child_nodes(node):
+        below = max(below, _height(child, counts))
+    return below + counts(node)
+
+
+def _is_nesting(node: ast.AST) -> bool:
+    """Whether a node is more than a link of a long sum or product."""
+    if isinstance(node, ast.BinOp):
+        return not isinstance(node.op, (ast.Add, ast.Sub, ast.Mult))
+    return isinstance(node, ast.expr)
 
 
 def _is_function_call(node: ast.AST) -> bool:
@@ -306,17 +331,3 @@ def _is_finite(number: sp.Expr) -> bool:
     """Whether a constant is a real number of a float's range."""
     value = complex(number)
     return math.isfinite(value.real) and value.imag == 0
-
-
-def size(expression: sp.Expr) -> tuple[int, int]:
-    """Bounds on the number of terms and on the degree once multiplied out; a function is one factor."""
-    match expression:
-        case sp.Add(args=parts) | sp.Mul(args=parts):
-            terms, degrees = zip(*map(size, parts), strict=True)
-            return (sum(terms), max(degrees)) if expression.is_Add else (math.prod(terms), sum(degrees))
-        case sp.Pow(base=base, exp=exponent) if exponent.is_Rational:
-            count, degree = size(base)
-            times = math.ceil(abs(exponent))
-            return math.comb(count + times - 1, times), degree * times
-        case _:
-            return 1, int(not expression.is_Rational)

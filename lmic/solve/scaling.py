@@ -21,8 +21,10 @@ from lmic.solve.cone import ConeData
 
 Array: TypeAlias = NDArray[Any]
 
-#: share of diag(S) added to S: at the optimum S is singular, and its inverse root must stay bounded
-REGULARISATION = 1e-4
+#: shares of diag(S) added to S, tried in turn until the columns are well enough conditioned: at the
+#: optimum S is singular, and its inverse root must stay bounded
+REGULARISATION = (1e-4, 1e-2, 1.0)
+CONDITION = 1e-10
 
 #: dense entries up to which the full congruence is formed
 DENSE_LIMIT = 30_000_000
@@ -49,10 +51,20 @@ def initial(data: ConeData) -> tuple[ConeData, Scaling]:
 
 def rescaled(data: ConeData, slack: Array, x: Array) -> tuple[ConeData, Scaling]:
     """The problem in the coordinates that a slack and a solution suggest."""
-    congruence = [inverse_root(matrix) for matrix in slack_matrices(slack, data.orders)]
-    if data.matrix.shape[0] * data.matrix.shape[1] <= DENSE_LIMIT:
-        return _dense(data, congruence)
-    return _diagonal(data, congruence, x)
+    slacks = slack_matrices(slack, data.orders)
+    if data.matrix.shape[0] * data.matrix.shape[1] > DENSE_LIMIT:
+        return _diagonal(data, [inverse_root(matrix, REGULARISATION[0]) for matrix in slacks], x)
+    for regularisation in REGULARISATION:
+        congruence = [inverse_root(matrix, regularisation) for matrix in slacks]
+        columns = _congruent(data, congruence)
+        triangular = scipy.linalg.qr(columns[:, 1:], mode="economic")[1]
+        pivots = np.abs(np.diag(triangular))
+        if pivots.min() > CONDITION * pivots.max():
+            break
+    unknowns = scipy.linalg.solve_triangular(triangular, np.eye(len(triangular)))
+    # the product, not the orthonormal factor: it belongs to these ``unknowns`` however they are rounded
+    scaled = ConeData(unknowns.T @ data.cost, sps.csc_array(columns[:, 1:] @ unknowns), columns[:, 0], data.orders)
+    return scaled, Scaling(congruence, unknowns)
 
 
 def slack_matrices(packed: Array, orders: Array) -> list[Array]:
@@ -62,33 +74,30 @@ def slack_matrices(packed: Array, orders: Array) -> list[Array]:
     return [svec.unpack(part / svec.weights(int(n)), int(n)) for part, n in zip(parts, orders, strict=True)]
 
 
-def inverse_root(slack: Array) -> Array:
+def inverse_root(slack: Array, regularisation: float) -> Array:
     """D with D S Dᵀ ≈ I, bounded where S is nearly singular."""
     diagonal = np.diag(slack)
     floor = np.finfo(float).eps * max(float(diagonal.max(initial=0.0)), np.finfo(float).tiny)
     jacobi = 1 / np.sqrt(np.maximum(diagonal, floor))
     values, vectors = np.linalg.eigh(jacobi[:, None] * slack * jacobi)
-    roots = 1 / np.sqrt(np.maximum(values, 0.0) + REGULARISATION)
+    roots = 1 / np.sqrt(np.maximum(values, 0.0) + regularisation)
     result: Array = (vectors * roots).T * jacobi
     return result
 
 
-def _dense(data: ConeData, congruence: list[Array]) -> tuple[ConeData, Scaling]:
-    """Full congruence, then orthonormal columns."""
+def _congruent(data: ConeData, congruence: list[Array]) -> Array:
+    """Offset and columns of the problem after the congruence, dense."""
     columns = np.column_stack([data.offset, data.matrix.toarray()])
     start = 0
-    for transform, order in zip(congruence, data.orders, strict=True):
-        n = int(order)
+    for transform in congruence:
+        n = len(transform)
         rows = slice(start, start + svec.length(n))
         i, j = svec.triangle(n)
         weight = svec.weights(n)
         matrices = transform @ svec.unpack(columns[rows].T / weight, n) @ transform.T
         columns[rows] = (matrices[:, i, j] * weight).T
         start += svec.length(n)
-    orthonormal, triangular = scipy.linalg.qr(columns[:, 1:], mode="economic")
-    unknowns = scipy.linalg.solve_triangular(triangular, np.eye(len(triangular)))
-    scaled = ConeData(unknowns.T @ data.cost, sps.csc_array(orthonormal), columns[:, 0], data.orders)
-    return scaled, Scaling(congruence, unknowns)
+    return columns
 
 
 def _diagonal(data: ConeData, congruence: list[Array], x: Array) -> tuple[ConeData, Scaling]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -91,7 +92,18 @@ def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> S
         np.concatenate([problem.orders, [1, 1]]),
     )
     kept = lineality(data.matrix).kept
-    best, steps = _iterate(replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept]), solver, passes)
+
+    def decided(candidate: _Candidate) -> bool:
+        """A strictly feasible point, or a dual that shows there is none: more passes can only lose that."""
+        point = np.zeros(problem.size + 1)
+        point[kept] = candidate.x
+        packed = matrix @ point[:-1] + offset
+        if point[-1] > NO_MARGIN and _worst(packed, packed, problem.orders)[1] > STRICT:
+            return True
+        return candidate.answer.status.usable and -candidate.step.bound < -NO_MARGIN
+
+    reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
+    best, steps = _iterate(reduced, solver, passes, decided)
     x = np.zeros(problem.size + 1)
     x[kept] = best.x
     found = judged(problem, best, x[:-1], steps, problem.size + 1 - len(kept), solver)
@@ -120,32 +132,48 @@ def _svec_identity(order: int) -> Array:
     return vector
 
 
-def _iterate(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidate, tuple[Pass, ...]]:
-    """Solve, rescale by the best answer so far, solve again, until the value settles."""
+def _iterate(
+    data: ConeData, solver: ConeSolver, passes: int, enough: Callable[[_Candidate], bool] | None = None
+) -> tuple[_Candidate, tuple[Pass, ...]]:
+    """Solve, rescale by the answer, solve again, until violation and gap are small or ``enough`` says so."""
     scaled, transform = scaling.initial(data)
-    best: _Candidate | None = None
-    steps: list[Pass] = []
+    found: list[_Candidate] = []
     for number in range(passes):
-        candidate = _candidate(data, transform, solver(scaled, rough=number == 0))
-        steps.append(candidate.step)
-        previous = best
-        if best is None or candidate.merit < best.merit:
-            best = candidate
-        if candidate.answer.status in (Status.INFEASIBLE, Status.UNBOUNDED) and previous is None:
+        candidate = _candidate(data, scaled, transform, solver(scaled, rough=number == 0))
+        found.append(candidate)
+        if enough and enough(candidate):
+            return candidate, tuple(one.step for one in found)
+        if number == 0 and candidate.answer.status in (Status.INFEASIBLE, Status.UNBOUNDED):
             break
-        if previous is not None and best.merit <= SETTLED:
+        if number > 0 and _best(found).merit <= SETTLED:
             break
-        scaled, transform = scaling.rescaled(data, candidate.slack, candidate.x)
-    assert best is not None
-    return best, tuple(steps)
+        # an answer that is no answer says nothing of the right coordinates
+        guide = candidate if np.isfinite(candidate.slack).all() else _best(found)
+        if not np.isfinite(guide.slack).all():
+            break
+        scaled, transform = scaling.rescaled(data, guide.slack, guide.x)
+    return _best(found), tuple(one.step for one in found)
 
 
-def _candidate(data: ConeData, transform: scaling.Scaling, answer: ConeAnswer) -> _Candidate:
+def _best(found: list[_Candidate]) -> _Candidate:
+    """The candidate of least merit among those whose bound no feasible candidate contradicts."""
+    values = [one.step.value for one in found if one.step.violation <= TRUSTED_VIOLATION]
+    least = min(values, default=np.inf)
+    least += TRUSTED_GAP * max(abs(least), ABSOLUTE)
+    sound = [one for one in found if not one.step.bound > least]
+    return min(sound or found, key=lambda one: one.merit)
+
+
+def _candidate(data: ConeData, scaled: ConeData, transform: scaling.Scaling, answer: ConeAnswer) -> _Candidate:
+    """An answer to the scaled problem, taken back to ``data`` and measured there."""
     x = transform.x(answer.y)
     slack = scaling.unscaled_slack(answer.s, transform, data.orders)
     dual = scaling.unscaled_dual(answer.z, transform, data.orders)
     relative = _worst(data.matrix @ x + data.offset, slack, data.orders)[1]
-    step = Pass(answer.word, answer.iterations, float(data.cost @ x), float(-data.offset @ dual), max(0.0, -relative))
+    # where the dual misses its equalities it bounds less: charge the miss, weighed with this y
+    miss = float(np.abs(scaled.matrix.T @ answer.z - scaled.cost) @ np.abs(answer.y))
+    bound = float(-data.offset @ dual) - miss
+    step = Pass(answer.word, answer.iterations, float(data.cost @ x), bound, max(0.0, -relative))
     return _Candidate(step, answer, x, slack, dual)
 
 
