@@ -34,6 +34,7 @@ class ConicProblem:
 
     @property
     def layout(self) -> Layout:
+        """Names ↔ columns."""
         return self.binding.layout
 
     @property
@@ -43,6 +44,7 @@ class ConicProblem:
 
     @property
     def soundness(self) -> Soundness:
+        """The weakest of the families'."""
         return Soundness.weakest([family.soundness for family in self.families])
 
     @cached_property
@@ -83,10 +85,12 @@ class ConicProblem:
 
     @property
     def matrix(self) -> sps.csc_array:
+        """Columns of the unknowns, rows svec of all LMIs."""
         return self.columns[:, 1:]
 
     @property
     def offset(self) -> Array:
+        """svec of all LMIs at x = 0."""
         return self.columns[:, [0]].toarray().ravel()
 
     def restricted(self, chosen: Array) -> ConicProblem:

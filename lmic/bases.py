@@ -44,6 +44,7 @@ def basis_functions(unknown: str, choice: Choice, domains: Mapping[str, Domain])
 
 
 def monomials_of_degree(domain: Domain, degree: int) -> list[sp.Expr]:
+    """Monomials of the degree in the components; on other domains than a simplex, up to the degree."""
     symbols = [sp.Symbol(component) for component in domain.components]
     pool = symbols if domain.kind == "simplex" else [sp.Integer(1), *symbols]
     return [sp.Mul(*chosen) for chosen in combinations_with_replacement(pool, degree)]

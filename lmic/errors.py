@@ -18,6 +18,7 @@ class Place:
     block: tuple[int, int] | None = None
 
     def at(self, block: tuple[int, int]) -> Place:
+        """The same LMI, at a block (counted from 1)."""
         return replace(self, block=block)
 
     def __str__(self) -> str:

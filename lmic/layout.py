@@ -34,14 +34,17 @@ class UnknownLayout:
 
     @property
     def count(self) -> int:
+        """Free coordinates of the matrix."""
         return int(self.coordinate.max()) + 1
 
     @property
     def size(self) -> int:
+        """Scalars: coordinates times basis functions."""
         return self.count * len(self.functions)
 
     @property
     def columns(self) -> slice:
+        """The columns of this unknown in x."""
         return slice(self.offset, self.offset + self.size)
 
     def matrices(self, x: Array) -> Array:
@@ -65,6 +68,7 @@ class Layout:
 
     @property
     def size(self) -> int:
+        """Scalars: coordinates times basis functions."""
         return sum(unknown.size for unknown in self.unknowns.values())
 
     def label(self, column: int) -> str:

@@ -139,6 +139,7 @@ def _same(first: Node | None, second: Node | None) -> bool:
 
 
 def same_size(first: Size, second: Size) -> bool:
+    """Whether two symbolic sizes are equal."""
     return bool(sp.expand(first - second) == 0)
 
 

@@ -35,6 +35,7 @@ class ParametricLMI:
 
     @property
     def order(self) -> int:
+        """Order of the matrix F."""
         return sum(self.partition)
 
     def fixed(self, values: Mapping[sp.Symbol, float]) -> ParametricLMI:

@@ -30,6 +30,7 @@ class Monomials:
 
     @classmethod
     def one(cls) -> Monomials:
+        """The constant monomial alone."""
         return cls((), np.zeros((1, 0), dtype=np.int64))
 
     @classmethod
@@ -88,11 +89,13 @@ class Monomials:
         return parts[0], parts[1]
 
     def text(self, index: int) -> str:
+        """A monomial as text."""
         powers = zip(self.atoms, self.exponents[index], strict=True)
         return "*".join(str(a) if p == 1 else f"{a}**{p}" for a, p in powers if p) or "1"
 
 
 def union(first: Sequence[Atom], second: Sequence[Atom]) -> tuple[Atom, ...]:
+    """The atoms of both, in one order."""
     return tuple(sorted({*first, *second}, key=str))
 
 
@@ -119,6 +122,7 @@ class MatrixPolynomial:
 
     @classmethod
     def constant(cls, matrix: Array) -> MatrixPolynomial:
+        """A matrix that depends on nothing."""
         return cls(Monomials.one(), np.asarray(matrix)[None, :, :])
 
     @classmethod
@@ -146,11 +150,13 @@ class MatrixPolynomial:
 
     @property
     def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
         rows, cols = self.coefficients.shape[1:]
         return (int(rows), int(cols))
 
     @property
     def T(self) -> MatrixPolynomial:
+        """The transpose."""
         return MatrixPolynomial(self.monomials, self.coefficients.transpose(0, 2, 1))
 
     def __matmul__(self, other: MatrixPolynomial) -> MatrixPolynomial:
@@ -184,6 +190,7 @@ class MatrixPolynomial:
         return MatrixPolynomial(factor.monomials.times(self.monomials), flat).merged()
 
     def merged(self) -> MatrixPolynomial:
+        """With equal monomials added up."""
         monomials, inverse = self.monomials.merged()
         coefficients = np.zeros((len(monomials), *self.shape), dtype=self.coefficients.dtype)
         np.add.at(coefficients, inverse, self.coefficients)
@@ -198,6 +205,7 @@ class MatrixPolynomial:
         return MatrixPolynomial(self.monomials, wide)
 
     def renamed(self, new: Mapping[sp.Symbol, sp.Symbol]) -> MatrixPolynomial:
+        """With the symbols inside the atoms replaced."""
         return MatrixPolynomial(self.monomials.renamed(new), self.coefficients) if new else self
 
     def numeric(self) -> MatrixPolynomial:

@@ -117,4 +117,4 @@ def line_search(
 
 
 def _feasible(result: Result) -> bool:
-    return result.solution.status in (Status.SOLVED, Status.ALMOST)
+    return result.solution.status is Status.SOLVED

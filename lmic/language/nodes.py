@@ -93,6 +93,7 @@ class Node(MatrixExpr):
 
 
 def as_node(value: Any) -> Node:
+    """The value as a matrix expression, or DefinitionError."""
     if isinstance(value, Node):
         return value
     raise DefinitionError(
@@ -458,6 +459,7 @@ class Block(Node):
 
 
 def is_zero(entry: Any) -> bool:
+    """Whether a block is a literal zero."""
     return isinstance(entry, (int, float, sp.Number)) and entry == 0
 
 

@@ -44,6 +44,7 @@ class Parameter:
         return self.name + suffix
 
     def to_latex(self) -> str:
+        """How the paper writes the parameter."""
         return self.latex or sp.latex(sp.Symbol(self.name))
 
 

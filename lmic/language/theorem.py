@@ -193,6 +193,7 @@ class Theorem:
 
     @property
     def data(self) -> dict[str, Leaf]:
+        """The matrices that a plant must give, in the order of appearance."""
         return self._declarations("data", self.nodes + self.extras)
 
     @property
@@ -202,6 +203,7 @@ class Theorem:
 
     @property
     def scalar_symbols(self) -> set[sp.Symbol]:
+        """Every scalar symbol of the statement."""
         symbols = set().union(*(node.scalars() for node in self.nodes + self.extras))
         if self.minimise is not None:
             symbols |= sp.sympify(self.minimise).free_symbols
@@ -221,10 +223,12 @@ class Theorem:
 
     @property
     def scalar_unknowns(self) -> list[ScalarUnknown]:
+        """The scalar unknowns by name."""
         return sorted((s for s in self.scalar_symbols if isinstance(s, ScalarUnknown)), key=str)
 
     @property
     def givens(self) -> list[Given]:
+        """The scalars that are fixed when compiling, by name."""
         return sorted((s for s in self.scalar_symbols if isinstance(s, Given)), key=str)
 
     @property

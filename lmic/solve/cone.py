@@ -36,10 +36,12 @@ class Status(StrEnum):
 
     @property
     def advice(self) -> str:
+        """What to do about it."""
         return _ADVICE[self]
 
     @property
     def usable(self) -> bool:
+        """Whether there is a point to look at."""
         return self in (Status.SOLVED, Status.ALMOST)
 
 

@@ -38,6 +38,7 @@ class Scaling:
     unknowns: Array
 
     def x(self, y: Array) -> Array:
+        """The unknowns in the problem's own coordinates."""
         return self.unknowns @ y if self.unknowns.ndim == 2 else self.unknowns * y
 
 
@@ -112,6 +113,7 @@ def _diagonal(data: ConeData, congruence: list[Array], x: Array) -> tuple[ConeDa
 
 
 def sps_csc(data: ConeData) -> ConeData:
+    """The same with a column-compressed matrix, as solvers want it."""
     return ConeData(data.cost, sps.csc_array(data.matrix), data.offset, data.orders)
 
 

@@ -25,6 +25,8 @@ TRUSTED_VIOLATION = 1e-9
 TRUSTED_GAP = 1e-7
 #: a feasible point has least eigenvalues above this, relative to the diagonal
 STRICT = 1e-11
+#: rounding of one entry, relative to the sum of the sizes that make it up
+ROUNDING = 16 * np.finfo(float).eps
 #: a largest margin up to this means that there is none
 NO_MARGIN = 1e-8
 #: bound on the sum of traces in a search for the largest margin, per unit of order and data
@@ -63,9 +65,9 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, ())
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
     best, steps = _iterate(reduced, solver, passes)
-    if best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6):
-        if margin(problem, solver, passes).value <= NO_MARGIN:
-            return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
+    doubtful = best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6)
+    if doubtful and margin(problem, solver, passes).value <= NO_MARGIN:
+        return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
     if best.answer.status is Status.UNBOUNDED:
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, steps)
     x = np.zeros(problem.size)
@@ -97,10 +99,9 @@ def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> S
         """A strictly feasible point, or a dual that shows there is none: more passes can only lose that."""
         point = np.zeros(problem.size + 1)
         point[kept] = candidate.x
-        packed = matrix @ point[:-1] + offset
-        if point[-1] > NO_MARGIN and _worst(packed, packed, problem.orders)[1] > STRICT:
+        if point[-1] > NO_MARGIN and _strictly_feasible(problem, point[:-1]):
             return True
-        return candidate.answer.status.usable and -candidate.step.bound < -NO_MARGIN
+        return candidate.answer.status.usable and -candidate.step.bound <= NO_MARGIN
 
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
     best, steps = _iterate(reduced, solver, passes, decided)
@@ -118,11 +119,30 @@ def _feasibility(problem: ConicProblem, solver: ConeSolver, passes: int) -> Solu
     measured = replace(
         found, violation=min(least, 0.0), relative_violation=min(relative, 0.0), worst=problem.label(place)
     )
-    if relative > STRICT:
+    if _strictly_feasible(problem, found.x):
         return replace(measured, status=Status.SOLVED, value=0.0, bound=0.0, warnings=())
     if found.value <= NO_MARGIN:
         return replace(measured, status=Status.INFEASIBLE, warnings=(Status.INFEASIBLE.advice,))
     return replace(measured, status=Status.ALMOST, value=0.0, bound=0.0, warnings=_warnings(measured))
+
+
+def _strictly_feasible(problem: ConicProblem, x: Array) -> bool:
+    """Whether every F_k(x) is positive definite by more than its own rounding.
+
+    Where large unknowns cancel, a small positive eigenvalue may be rounding and nothing else.
+    """
+    matrix, offset = problem.matrix, problem.offset
+    values = scaling.slack_matrices(matrix @ x + offset, problem.orders)
+    sizes = scaling.slack_matrices(abs(matrix) @ np.abs(x) + np.abs(offset), problem.orders)
+    for value, size in zip(values, sizes, strict=True):
+        diagonal = np.diag(value)
+        if not np.isfinite(value).all() or not (diagonal > 0).all():
+            return False
+        root = 1 / np.sqrt(diagonal)
+        rounding = ROUNDING * len(value) * np.linalg.norm(root[:, None] * size * root)
+        if np.linalg.eigvalsh(root[:, None] * value * root)[0] <= max(STRICT, rounding):
+            return False
+    return True
 
 
 def _svec_identity(order: int) -> Array:
