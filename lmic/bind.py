@@ -202,8 +202,8 @@ class _Binder:
             foreign = atom.free_symbols - allowed
             if foreign:
                 raise PlantError(
-                    f"the matrix {leaf.name} of {self.plant.name} depends on {min(map(str, foreign))}, but the theorem states it as "
-                    f"{leaf}; remove the dependence or use a theorem that allows it",
+                    f"the matrix {leaf.name} of {self.plant.name} depends on {min(map(str, foreign))}, but the theorem "
+                    f"states it as {leaf}; remove the dependence or use a theorem that allows it",
                     Place(self.theorem.name),
                 )
         return value.renamed(self.instances(leaf))

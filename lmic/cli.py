@@ -12,7 +12,7 @@ import click
 
 from lmic import __version__
 from lmic.errors import LmicError
-from lmic.options import JSON, Choices, compiling
+from lmic.options import JSON, Choices, compiling, interval, numbers
 
 PLANT = click.option(
     "--plant", type=click.Path(path_type=Path), required=True, help="Plant file: .toml, .json, .mat or .npz."
@@ -114,16 +114,25 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
 @click.argument("name")
 @PLANT
 @compiling
+@click.option("--search", metavar="NAME=LOW:HIGH", help="Best value of a scalar, by bisection or a line search.")
 @JSON
-def solve(name: str, plant: Path, as_json: bool, **choices: Any) -> None:
+def solve(name: str, plant: Path, search: str | None, as_json: bool, **choices: Any) -> None:
     """Solve a theorem (by name or path) for a plant and print what it reports and recovers."""
     from lmic import reporting
     from lmic.pipeline import run
+    from lmic.search import search_scalar
 
-    result = run(Choices(**choices).compile_files(name, plant))
+    chosen, found = Choices(**choices), None
+    if search:
+        scalar, low, high = interval(search, "--search")
+        given = numbers(chosen.given, "--set")
+        found = search_scalar(chosen.prepare_files(name, plant), scalar, low, high, given, chosen.relaxation())
+    result = found.result if found else run(chosen.compile_files(name, plant))
     if as_json:
-        echo_json(reporting.result_record(result))
+        echo_json(reporting.result_record(result) | ({"search": reporting.search_record(found)} if found else {}))
     else:
+        if found:
+            click.echo(f"best {found.scalar} = {found.value:.8g} after {found.solves} solves")
         reporting.print_result(result)
     if not result.solution.trusted:
         sys.exit(1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import sympy as sp
@@ -167,7 +168,7 @@ def _pairs(node: Node) -> Iterator[tuple[Sized, Sized, str]]:
             for axis in (0, 1):
                 yield _sized(operands[0], axis), _sized(other, axis), "add"
     elif isinstance(node, MatrixProduct):
-        for left, right in zip(operands, operands[1:], strict=False):
+        for left, right in pairwise(operands):
             yield _sized(left, 1), _sized(right, 0), "multiply"
     elif isinstance(node, (Hermitian, Inverse, Trace)):
         yield _sized(operands[0], 0), _sized(operands[0], 1), "make a square matrix"

@@ -13,6 +13,7 @@ from lmic.errors import LmicError
 
 if TYPE_CHECKING:
     from lmic.assemble import ConicProblem
+    from lmic.bind import Binding
     from lmic.language.theorem import Theorem
     from lmic.plants.plant import Plant
     from lmic.relax.grid import Grid
@@ -21,15 +22,21 @@ if TYPE_CHECKING:
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
+
+
+def _several(flag: str, name: str, metavar: str, text: str) -> Callable[[Any], Any]:
+    return click.option(flag, name, multiple=True, metavar=metavar, help=text)
+
+
 OPTIONS = (
-    click.option("--set", "given", multiple=True, metavar="NAME=VALUE", help="Value of a scalar, as eps=150."),
-    click.option("--dependence", multiple=True, metavar="UNKNOWN=CHOICE", help="A degree, 'constant', or '1; rho1; sin(rho1)'."),
-    click.option("--size", "sizes", multiple=True, metavar="NAME=N", help="A dimension that no matrix of the plant fixes."),
-    click.option("--polya", multiple=True, metavar="[NAME=]DEGREE", help="Pólya degree, for all parameters or for one."),
-    click.option("--grid", multiple=True, metavar="NAME=GRID", help="Points where a grid is used: 5, chebyshev:9, random:100."),
-    click.option("--relax", "method", multiple=True, metavar="NAME=METHOD", help="auto, vertices, polya or grid."),
-    click.option("--tie", "ties", multiple=True, metavar="B=A", help="Instance b of a parameter equals instance a."),
-)  # fmt: skip
+    _several("--set", "given", "NAME=VALUE", "Value of a scalar, as eps=150."),
+    _several("--dependence", "dependence", "UNKNOWN=CHOICE", "A degree, 'constant', or '1; rho1; sin(rho1)'."),
+    _several("--size", "sizes", "NAME=N", "A dimension that no matrix of the plant fixes."),
+    _several("--polya", "polya", "[NAME=]DEGREE", "Pólya degree, for all parameters or for one."),
+    _several("--grid", "grid", "NAME=GRID", "Points where a grid is used: 5, chebyshev:9, random:100."),
+    _several("--relax", "method", "NAME=METHOD", "auto, vertices, polya or grid."),
+    _several("--tie", "ties", "B=A", "Instance b of a parameter equals instance a."),
+)
 
 
 def compiling(command: Command) -> Command:
@@ -64,6 +71,14 @@ class Choices:
             self.dimensions(),
         )
 
+    def prepare_files(self, theorem: str, plant: Path) -> Binding:
+        """A theorem by name or path bound to a plant file, its scalars still open."""
+        from lmic import library
+        from lmic.pipeline import prepare
+        from lmic.plants.files import read_plant
+
+        return prepare(library.theorem(theorem), read_plant(plant), dependences(self.dependence), self.dimensions())
+
     def compile_files(self, theorem: str, plant: Path) -> ConicProblem:
         """The same from a theorem's name or path and a plant file."""
         from lmic import library
@@ -89,6 +104,18 @@ class Choices:
             grid={name: _grid(value) for name, value in _pairs(self.grid, "--grid").items()},
             ties=_pairs(self.ties, "--tie"),
         )
+
+
+def interval(text: str, option: str) -> tuple[str, float, float]:
+    """``"eps=0.1:6"`` as a name and the two ends."""
+    ((name, value),) = _pairs([text], option).items()
+    low, separator, high = value.partition(":")
+    if not separator:
+        raise LmicError(f"'{option} {text}' has no ':'; write {option} NAME=LOW:HIGH")
+    ends = [float(numbers([f"{name}={end}"], option)[name]) for end in (low, high)]
+    if not ends[0] < ends[1]:
+        raise LmicError(f"'{option} {text}' is an empty interval; give its lower end first")
+    return name, ends[0], ends[1]
 
 
 def numbers(texts: Sequence[str], option: str) -> dict[str, Any]:

@@ -64,11 +64,8 @@ class Design:
         return value if value.ndim == 3 else value[None]
 
     def _leaf(self, leaf: Leaf, symbols: Mapping[sp.Symbol, Array]) -> Array:
-        if leaf.role == "unknown":
-            polynomial = self.unknowns[leaf.name]
-        else:
-            polynomial = self.binding.plant.matrices[leaf.name]
-        return polynomial.evaluate(symbols)
+        matrices = self.unknowns if leaf.role == "unknown" else self.binding.plant.matrices
+        return matrices[leaf.name].evaluate(symbols)
 
     def _symbol_values(self, parameters: Mapping[str, Any]) -> dict[sp.Symbol, Array]:
         """Components of the parameters, and the fixed scalars, as arrays of length K (or 1)."""
@@ -76,13 +73,13 @@ class Design:
         for name, domain in self.binding.domains.items():
             if name not in parameters:
                 raise DomainError(
-                    f"the parameter {name} has no value; give {name}=[...] with its {len(domain.components)} components",
+                    f"{name} has no value; give {name}=[...] with its {len(domain.components)} components",
                     Place(self.binding.theorem.name),
                 )
             points = np.atleast_2d(np.asarray(parameters[name], dtype=float))
             if points.shape[1] != len(domain.components):
                 raise DomainError(
-                    f"{name} has {len(domain.components)} components ({', '.join(domain.components)}), not {points.shape[1]}",
+                    f"{points.shape[1]} values are given for {name}; its components are {', '.join(domain.components)}",
                     Place(self.binding.theorem.name),
                 )
             values |= {instance_symbol(c, ""): points[:, k] for k, c in enumerate(domain.components)}

@@ -15,6 +15,7 @@ from lmic.papers.cases import CaseTable
 from lmic.papers.reproduce import Outcome, achieved
 from lmic.pipeline import Result
 from lmic.relax.family import LMIFamily
+from lmic.search import Found
 from lmic.simulate.trajectory import Trajectory
 from lmic.terminal import console, table
 
@@ -89,9 +90,8 @@ def print_families(problem: ConicProblem) -> None:
     """Which relaxation each LMI got, how many LMIs it made, and their soundness."""
     out = console()
     sizes = ", ".join(f"{symbol.name} = {value}" for symbol, value in problem.binding.sizes.items())
-    relaxed = table(
-        "LMI", "order", "relaxation", "LMIs", "soundness", title=f"compiled for {problem.binding.plant.name} ({sizes})"
-    )
+    out.print(f"compiled for {problem.binding.plant.name} ({sizes})", style="bold")
+    relaxed = table("LMI", "order", "relaxation", "LMIs", "soundness")
     for record in map(family_record, problem.families):
         relaxed.add_row(
             record["lmi"],
@@ -142,6 +142,11 @@ def result_record(result: Result) -> dict[str, Any]:
     }
 
 
+def search_record(found: Found) -> dict[str, Any]:
+    """The outcome of a search over a scalar as plain data."""
+    return {"scalar": found.scalar, "value": found.value, "other": found.other, "solves": found.solves}
+
+
 def _unknowns(result: Result) -> dict[str, Any]:
     if not result.solution.status.usable:
         return {}
@@ -178,9 +183,9 @@ def print_result(result: Result) -> None:
     if not solution.status.usable:
         out.print(f"            {solution.status.advice}")
         return
-    out.print(
-        f"violation   {abs(solution.violation):.1e} (relative to diag S: {abs(solution.relative_violation):.1e}), at {solution.worst}"
-    )
+    relative = f"relative to diag S: {abs(solution.relative_violation):.1e}"
+    where = f", largest at {solution.worst}" if solution.violation < 0 else ""
+    out.print(f"violation   {abs(solution.violation):.1e} ({relative}){where}")
     out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
     for name, value in result.reports.items():
         out.print(f"[bold]{name:<11} {value:.8g}[/bold]   numerical; relaxation {result.problem.soundness.value}")

@@ -32,6 +32,16 @@ class Found:
     solves: int
 
 
+def search_scalar(
+    binding: Binding, scalar: str, low: float, high: float, given: Mapping[str, Any], relaxation: Relaxation
+) -> Found:
+    """Bisection where the theorem declares it for this scalar, a line search otherwise."""
+    declared = binding.theorem.bisect
+    if declared is not None and declared.scalar.name == scalar:
+        return bisect(binding, low, high, given, relaxation)
+    return line_search(binding, scalar, low, high, given, relaxation)
+
+
 def bisect(
     binding: Binding,
     low: float,

@@ -19,7 +19,8 @@ def solve_sizes(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place:
         if name not in plant.matrices:
             has = ", ".join(sorted(plant.matrices)) or "none"
             raise PlantError(
-                f"the matrix {name} ({leaf.shape[0]} x {leaf.shape[1]}) is missing in {plant.name}, which has {has}; add it",
+                f"the matrix {name} ({leaf.shape[0]} x {leaf.shape[1]}) is missing in {plant.name}, which has {has}; "
+                "add it",
                 place,
             )
         for expression, found in zip(leaf.shape, plant.matrices[name].shape, strict=True):
@@ -28,8 +29,8 @@ def solve_sizes(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place:
     unknown = sorted(set(plant.matrices) - set(theorem.data))
     if unknown:
         raise PlantError(
-            f"{plant.name} gives the matrix {unknown[0]}, which the theorem does not use; it uses {', '.join(theorem.data)}: "
-            "rename or remove it",
+            f"{plant.name} gives the matrix {unknown[0]}, which the theorem does not use; "
+            f"it uses {', '.join(theorem.data)}: rename or remove it",
             place,
         )
     symbols = set().union(
@@ -55,8 +56,8 @@ def solve_sizes(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place:
                     for s in sorted(expression.free_symbols, key=str)
                 )
                 raise ShapeError(
-                    f"the matrix {name} of {plant.name} is {found_shape[0]} x {found_shape[1]}, but {leaf.shape[0]} x {leaf.shape[1]} "
-                    f"is needed, where {because}; correct the matrix",
+                    f"the matrix {name} of {plant.name} is {found_shape[0]} x {found_shape[1]}, "
+                    f"but {leaf.shape[0]} x {leaf.shape[1]} is needed, where {because}; correct the matrix",
                     place,
                 )
     free = sorted((s for s in symbols if s not in values), key=str)

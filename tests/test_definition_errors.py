@@ -36,12 +36,14 @@ def statement(rows: Any, **changes: Any) -> Theorem:
 
 
 CASES: list[tuple[type[LmicError], Callable[[], Any], list[str]]] = [
-    (NotAffineError, lambda: [[He(P(alpha) * G)]], ["faulty / dissipation / block (1,1)", "P(alpha)*G(alpha)", "new unknown"]),
+    (NotAffineError, lambda: [[He(P(alpha) * G)]],
+     ["faulty / dissipation / block (1,1)", "P(alpha)*G(alpha)", "new unknown"]),
     (NotAffineError, lambda: [[mu * P(alpha)]], ["block (1,1)", "mu", "P(alpha)"]),
     (NotAffineError, lambda: [[mu**2 * I(n)]], ["block (1,1)", "mu**2", "not affine"]),
     (NotAffineError, lambda: [[He(inv(G) * A)]], ["inv(G(alpha))", "Schur complement"]),
     (AsymmetryError, lambda: [[G]], ["block (1,1)", "G(alpha) is not symmetric", "He("]),
-    (AsymmetryError, lambda: [[P(alpha), A], [A, P(alpha)]], ["block (1,2)", "not the transpose of block (2,1)", "star"]),
+    (AsymmetryError, lambda: [[P(alpha), A], [A, P(alpha)]],
+     ["block (1,2)", "not the transpose of block (2,1)", "star"]),
     (AsymmetryError, lambda: [[P(alpha), 0], [A, P(alpha)]], ["block (1,2)", "not the transpose"]),
     (ShapeError, lambda: [[P(alpha), B], [star, P(alpha)]], ["block (1,2)", "B(alpha)", "n x m"]),
     (ShapeError, lambda: [[He(P(alpha) * B)]], ["block (1,1)", "square"]),

@@ -97,10 +97,11 @@ class Theorem:
     """A condition as published.
 
     ``lmis`` maps a name to :func:`PD` or :func:`ND` of a block matrix; ``minimise`` is affine in
-    the scalar unknowns (``None``: a feasibility condition); ``reports`` are scalar expressions in
-    the optimal unknowns; ``bisect`` a given scalar whose best value is sought; ``recover`` are the formulas of the design; ``guarantees`` what is
-    promised of which closed loop; ``signals`` further outputs worth seeing in a simulation;
-    ``assumes`` are necessary conditions on the data.
+    the scalar unknowns (``None``: a feasibility condition); ``bisect`` names a given scalar whose
+    best value is sought; ``reports`` are scalar expressions in the optimal unknowns; ``recover``
+    are the formulas of the design; ``guarantees`` say what is promised of which closed loop;
+    ``signals`` are further outputs worth seeing in a simulation; ``assumes`` are necessary
+    conditions on the data; ``variants`` are choices that make another theorem of the same matrix.
     """
 
     lmis: Mapping[str, LMI]
@@ -141,7 +142,8 @@ class Theorem:
             foreign = sp.sympify(expression).free_symbols - known
             if foreign:
                 raise DefinitionError(
-                    f"the report '{what}' uses {min(map(str, foreign))}, which occurs in no LMI; report a scalar unknown"
+                    f"the report '{what}' uses {min(map(str, foreign))}, which occurs in no LMI; "
+                    "report a scalar unknown"
                 )
 
     def variant(self, key: str, name: str = "") -> Theorem:

@@ -36,7 +36,8 @@ def polya(axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
     count = comb(len(corners) + target - 1, target)
     if count > MAX_COEFFICIENTS:
         raise RelaxationError(
-            f"Pólya degree {degree} on {axis.name} makes {count} coefficients; take a degree that makes fewer than {MAX_COEFFICIENTS}"
+            f"Pólya degree {degree} on {axis.name} makes {count} coefficients; "
+            f"take a degree that makes at most {MAX_COEFFICIENTS}"
         )
     targets = homogeneous_exponents(len(corners), target)
     weights = np.stack([_form(corners, powers, target, targets) for powers in exponents], axis=1)

@@ -47,7 +47,7 @@ class Status(StrEnum):
 
 _ADVICE = {
     Status.SOLVED: "",
-    Status.ALMOST: "the solver stopped short of its tolerance; trust the number only as far as its violation and gap say",
+    Status.ALMOST: "the solver stopped short of its tolerance; its violation and gap say how far to trust the number",
     Status.INFEASIBLE: "no solution satisfies the LMIs; try a richer basis, a higher Pólya degree, or check the data",
     Status.UNBOUNDED: "the objective has no lower bound; the LMIs leave the minimised quantity free",
     Status.FAILED: "the solver gave up; rescale the data or try other values of the given scalars",

@@ -31,10 +31,11 @@ class Pass:
 class Solution:
     """An answer and what was measured of it.
 
-    ``value`` is the objective at ``x``; ``bound`` the dual objective, less what the dual misses its
-    equalities by, weighed with x: a lower bound to rounding, for solutions of the size of x. ``violation`` is the most negative eigenvalue over all LMIs (0 if none is
-    negative), ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst``
-    names that LMI. ``dual`` is svec of the dual matrices, row by row as in the problem.
+    ``value`` is the objective at ``x``. ``bound`` is the dual objective, less what the dual misses
+    its equalities by, weighed with x: a lower bound to rounding, for solutions of the size of x.
+    ``violation`` is the most negative eigenvalue over all LMIs (0 if none is negative),
+    ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that
+    LMI. ``dual`` is svec of the dual matrices, row by row as in the problem.
     """
 
     status: Status

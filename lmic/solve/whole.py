@@ -246,7 +246,8 @@ def _warnings(found: Solution) -> tuple[str, ...]:
         warnings.append(f"the solver ended with '{found.passes[-1].word}': {found.status.advice}")
     if found.relative_violation < -TRUSTED_VIOLATION:
         warnings.append(
-            f"the LMI '{found.worst}' is violated by {-found.relative_violation:.1e} relative to its diagonal, so the number is no bound"
+            f"the LMI '{found.worst}' is violated by {-found.relative_violation:.1e} relative to its diagonal, "
+            "so the number is no bound"
         )
     if found.gap > TRUSTED_GAP:
         warnings.append(

@@ -70,9 +70,7 @@ theorem = Theorem(
     ],
     signals={
         "z": DelaySystem(A=A, A_d=Ad, B=B, C=H, C_d=Hd, D=L),
-        "z_F": DelaySystem(
-            **error_dynamics, C=block([[DF * C, CF]]), C_d=block([[DF * Cd, zeros(p, n)]]), D=DF * D
-        ),
+        "z_F": DelaySystem(**error_dynamics, C=block([[DF * C, CF]]), C_d=block([[DF * Cd, zeros(p, n)]]), D=DF * D),
     },
     assumes=[Schur(A, because="the error system contains the plant")],
     source=Source(

@@ -53,9 +53,7 @@ theorem = Theorem(
     guarantees=[Bound("l2 gain", error_system, "gamma")],
     assumes=[Schur(A, because="the error system contains the plant")],
     variants={
-        "corollary1": Variant(
-            "H∞ filter, robust", statement="Corollary 1", constant=(H, Af, Bf, Cf, Df)
-        ),
+        "corollary1": Variant("H∞ filter, robust", statement="Corollary 1", constant=(H, Af, Bf, Cf, Df)),
     },
     source=Source(
         authors="Peixoto, Lacerda, Guerra, Palma, Palhares",
