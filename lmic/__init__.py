@@ -1,3 +1,51 @@
-"""lmic: a symbolic-to-numeric compiler for parameter-dependent linear matrix inequalities."""
+"""lmic: a symbolic-to-numeric compiler for parameter-dependent linear matrix inequalities.
+
+    >>> import lmic
+    >>> theorem = lmic.theorem("peixoto2025.corollary1")
+    >>> problem = lmic.compile(theorem, lmic.read_plant("example1.toml"), {"eps": 150})
+    >>> result = lmic.run(problem)
+
+The names below load when they are first used, so that importing lmic costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from lmic.library import theorem as theorem
+    from lmic.pipeline import compile as compile
+    from lmic.pipeline import finish as finish
+    from lmic.pipeline import prepare as prepare
+    from lmic.pipeline import run as run
+    from lmic.plants.files import read_plant as read_plant
+    from lmic.plants.plant import Plant as Plant
+    from lmic.relax.grid import Grid as Grid
+    from lmic.relax.relax import Relaxation as Relaxation
+    from lmic.search import bisect as bisect
+    from lmic.search import line_search as line_search
+
+_HOME = {
+    "Grid": "lmic.relax.grid",
+    "Plant": "lmic.plants.plant",
+    "Relaxation": "lmic.relax.relax",
+    "bisect": "lmic.search",
+    "compile": "lmic.pipeline",
+    "finish": "lmic.pipeline",
+    "line_search": "lmic.search",
+    "prepare": "lmic.pipeline",
+    "read_plant": "lmic.plants.files",
+    "run": "lmic.pipeline",
+    "theorem": "lmic.library",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'lmic' has no attribute '{name}'")
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOME])
