@@ -70,10 +70,6 @@ class RelaxationError(LmicError):
     """The requested relaxation does not apply to the dependence at hand."""
 
 
-class SolverError(LmicError):
-    """No usable answer came back from the conic solver."""
-
-
 class RecoveryError(LmicError):
     """The design cannot be formed from the solution (a singular matrix to invert, for instance)."""
 

@@ -88,11 +88,6 @@ class Monomials:
             parts.append(Monomials(tuple(self.atoms[c] for c in columns), self.exponents[:, columns]))
         return parts[0], parts[1]
 
-    def text(self, index: int) -> str:
-        """A monomial as text."""
-        powers = zip(self.atoms, self.exponents[index], strict=True)
-        return "*".join(str(a) if p == 1 else f"{a}**{p}" for a, p in powers if p) or "1"
-
 
 def union(first: Sequence[Atom], second: Sequence[Atom]) -> tuple[Atom, ...]:
     """The atoms of both, in one order."""
@@ -124,11 +119,6 @@ class MatrixPolynomial:
     def constant(cls, matrix: Array) -> MatrixPolynomial:
         """A matrix that depends on nothing."""
         return cls(Monomials.one(), np.asarray(matrix)[None, :, :])
-
-    @classmethod
-    def affine(cls, atoms: Sequence[Atom], matrices: Array) -> MatrixPolynomial:
-        """Σ_i atoms[i] · matrices[i]."""
-        return cls(Monomials.of(*atoms), np.asarray(matrices))
 
     @classmethod
     def from_sympy(cls, matrix: sp.MatrixBase) -> MatrixPolynomial:

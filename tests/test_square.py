@@ -22,7 +22,7 @@ from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant
 from lmic.relax.family import AxisRelaxation
 from lmic.relax.grid import Grid, grid_points
-from lmic.relax.polya import homogeneous_exponents, multinomial
+from lmic.relax.polya import homogeneous_exponents
 from lmic.relax.relax import Relaxation
 from lmic.relax.space import Axis, space
 
@@ -241,10 +241,3 @@ def phi_vertices(layout: Any, x: np.ndarray, eps: float) -> np.ndarray:
         full = np.block(lower)
         result[i, j, k] = np.tril(full) + np.tril(full, -1).T
     return result
-
-
-def test_multinomials_sum_to_the_power_of_the_sum() -> None:
-    point = np.array([0.2, 0.3, 0.5])
-    exponents = homogeneous_exponents(3, 4)
-    coefficients = [multinomial(tuple(row)) for row in exponents.tolist()]
-    assert np.isclose(coefficients @ np.prod(point**exponents, axis=1), 1.0)

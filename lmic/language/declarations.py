@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import sympy as sp
 
-from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Node, Trace, Zero
+from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Trace, Zero
 
 
 class SymbolicSize(sp.Symbol):
@@ -133,5 +133,3 @@ class Star:
 
 
 star = Star()
-
-Entry = Node | Star | int

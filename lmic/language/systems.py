@@ -19,7 +19,6 @@ class DiscreteSystem:
     B: Node
     C: Node
     D: Node
-    time: ClassVar[str] = "discrete"
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,6 @@ class ContinuousSystem:
     B: Node
     C: Node
     D: Node
-    time: ClassVar[str] = "continuous"
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,6 @@ class DelaySystem:
     C: Node
     C_d: Node
     D: Node
-    time: ClassVar[str] = "discrete"
 
 
 @dataclass(frozen=True)
@@ -58,7 +55,6 @@ class FornasiniMarchesini:
     B1: Node
     B2: Node
     C: Node
-    time: ClassVar[str] = "2-D"
 
 
 System: TypeAlias = DiscreteSystem | ContinuousSystem | DelaySystem | FornasiniMarchesini

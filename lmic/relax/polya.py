@@ -11,7 +11,7 @@ Littlewood, Pólya, *Inequalities*, 2.24). Degree 0 on two simplexes is Lemma 1 
 from __future__ import annotations
 
 from itertools import combinations_with_replacement
-from math import comb, factorial, prod
+from math import comb
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -70,11 +70,6 @@ def homogeneous_exponents(variables: int, degree: int) -> Array:
     for row, choice in enumerate(chosen):
         np.add.at(exponents[row], list(choice), 1)
     return exponents
-
-
-def multinomial(powers: tuple[int, ...]) -> int:
-    """Coefficient of the monomial in (Σλ)^(Σ powers)."""
-    return factorial(sum(powers)) // prod(factorial(p) for p in powers)
 
 
 def _label(axis: Axis, names: list[str], powers: Array) -> str:
