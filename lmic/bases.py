@@ -58,7 +58,9 @@ def _require_independent(unknown: str, functions: Sequence[sp.Expr], domains: Ma
     count = 4 * len(functions) + 8
     values: dict[sp.Symbol, Any] = {}
     for domain in domains.values():
-        points = domain.sample(count, generator)
+        # random points tell dependence, vertices tell poles at the ends
+        corners = domain.vertices
+        points = np.concatenate([corners[np.arange(count) % len(corners)], domain.sample(count, generator)])
         values |= {sp.Symbol(c): points[:, k] for k, c in enumerate(domain.components)}
     for function in functions:
         foreign = function.free_symbols - set(values)
@@ -67,7 +69,7 @@ def _require_independent(unknown: str, functions: Sequence[sp.Expr], domains: Ma
                 f"{unknown}: the basis function {function} uses {min(map(str, foreign))}, which is no component of "
                 f"{', '.join(domains)}; the components are {', '.join(sorted(map(str, values)))}"
             )
-    table = np.column_stack([np.broadcast_to(atom_values(f, values), (count,)) for f in functions])
+    table = np.column_stack([np.broadcast_to(atom_values(f, values), (2 * count,)) for f in functions])
     if not np.isfinite(table).all():
         bad = functions[int(np.argmin(np.isfinite(table).all(axis=0)))]
         raise BasisError(f"{unknown}: the basis function {bad} is not finite on the domain; choose another")

@@ -78,6 +78,8 @@ class BoxDomain(Domain):
         if not self.components:
             raise DomainError("a box has no component; give at least one interval")
         for name, low, high in zip(self.components, self.lower, self.upper, strict=True):
+            if not (np.isfinite(float(low)) and np.isfinite(float(high))):
+                raise DomainError(f"the interval of {name} is unbounded; give two finite ends")
             if low > high:
                 raise DomainError(
                     f"the interval of {name} is empty: [{float(low):g}, {float(high):g}]; give its lower end first"
@@ -228,7 +230,9 @@ def _interval(bounds: Bounds, component: str, what: str) -> tuple[float, float]:
     if component not in bounds:
         raise DomainError(f"the {what} of {component} has no bound; give one for each component")
     bound = bounds[component]
-    low, high = (-bound, bound) if np.ndim(bound) == 0 else bound
+    low, high = (float(end) for end in ((-bound, bound) if np.ndim(bound) == 0 else bound))
+    if not (np.isfinite(low) and np.isfinite(high)):
+        raise DomainError(f"the bound on the {what} of {component} is not finite; give a number, or step = 'free'")
     if low > high:
-        raise DomainError(f"the bound on the {what} of {component} is empty: [{float(low):g}, {float(high):g}]")
-    return float(low), float(high)
+        raise DomainError(f"the bound on the {what} of {component} is empty: [{low:g}, {high:g}]")
+    return low, high

@@ -49,7 +49,7 @@ def grid(axis: Axis, part: Monomials, choice: Grid) -> AxisRelaxation:
     weights = part.evaluate({symbol: points[:, k] for k, symbol in enumerate(axis.symbols)})
     if len(weights) != len(points):
         weights = np.broadcast_to(weights, (len(points), weights.shape[1]))
-    labels = tuple(f"{axis.name} = {np.array2string(point, precision=4, separator=', ')}" for point in points)
+    labels = tuple(f"{axis.name} = {', '.join(f'{value:.4g}' for value in point)}" for point in points.tolist())
     return AxisRelaxation(f"grid of {len(points)} points", weights, labels, Soundness.SAMPLED)
 
 
@@ -59,6 +59,9 @@ def check_grid(name: str, choice: Grid) -> None:
         raise RelaxationError(
             f"'{choice.kind}' is no kind of grid for {name}; use uniform, chebyshev, random or points"
         )
+    lengths = {len(point) for point in choice.points}
+    if choice.kind == "points" and (len(lengths) != 1 or not np.isfinite(np.array(choice.points)).all()):
+        raise RelaxationError(f"the grid points for {name} are not rows of finite numbers of one length; correct them")
     if choice.kind != "points" and choice.count < 1:
         raise RelaxationError(f"the grid for {name} has no point; give a count of at least 1")
 

@@ -6,13 +6,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import reduce
-from math import prod
+from math import comb, prod
 from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic import svec
 from lmic.bind import Binding
 from lmic.errors import RelaxationError
 from lmic.parametric import ParametricLMI
@@ -59,52 +60,82 @@ def relax(binding: Binding, choice: Relaxation | None = None) -> list[LMIFamily]
 
 def relax_lmi(lmi: ParametricLMI, geometry: Space, choice: Relaxation) -> LMIFamily:
     """One LMI; independent axes combine to all pairs of their choices."""
-    relaxed: list[AxisRelaxation] = []
-    remaining = set(lmi.monomials.atoms)
-    for axis in geometry.axes:
-        part = lmi.monomials.split(set(axis.symbols))[0]
-        if not part.atoms:
-            continue
-        remaining -= set(part.atoms)
-        relaxed.append(_relax_axis(lmi, axis, part, choice))
+    parts = [(axis, lmi.monomials.split(set(axis.symbols))[0]) for axis in geometry.axes]
+    parts = [(axis, part) for axis, part in parts if part.atoms]
+    remaining = set(lmi.monomials.atoms) - {atom for _, part in parts for atom in part.atoms}
     if remaining:
         raise RelaxationError(
             f"{min(map(str, remaining))} mixes symbols that vary independently, and fits no relaxation; "
             "give its parameter a joint grid (random or points)",
             lmi.place,
         )
-    _check_memory(lmi, relaxed)
+    methods = [_method(lmi, axis, part, choice) for axis, part in parts]
+    _check_memory(lmi, [_count(m, axis, part, choice) for m, (axis, part) in zip(methods, parts, strict=True)])
+    relaxed = [_relax_axis(m, axis, part, choice) for m, (axis, part) in zip(methods, parts, strict=True)]
     weights = reduce(_combine, [r.weights for r in relaxed], np.ones((1, len(lmi.monomials))))
+    if not np.isfinite(weights).all():
+        monomial = int(np.argmin(np.isfinite(weights).all(axis=0)))
+        atom = next(a for a, p in zip(lmi.monomials.atoms, lmi.monomials.exponents[monomial], strict=True) if p)
+        raise RelaxationError(
+            f"{atom} is not finite at a point of the relaxation; change the function, or shrink the domain", lmi.place
+        )
     return LMIFamily(lmi, weights, tuple(relaxed), np.arange(len(weights)))
 
 
-def _relax_axis(lmi: ParametricLMI, axis: Axis, part: Monomials, choice: Relaxation) -> AxisRelaxation:
+def _method(lmi: ParametricLMI, axis: Axis, part: Monomials, choice: Relaxation) -> str:
     """The relaxation of one axis; raises where the requested one does not apply, and says which do."""
     polynomial = all(isinstance(atom, sp.Symbol) for atom in part.atoms)
-    affine = polynomial and int(part.exponents.sum(axis=1).max()) <= 1
+    degree = int(part.exponents.sum(axis=1).max())
+    affine = polynomial and degree <= 1
     method = _option(choice.method, axis, "auto")
-    points = _option(choice.grid, axis, None)
     if method == "auto":
         asked = not isinstance(choice.polya, int) and any(key in choice.polya for key in axis.keys)
         # a box may be gridded side by side; on simplexes and joint polytopes coefficients are natural
         natural = axis.domain.kind != "box" or asked
         method = "vertices" if affine else "polya" if polynomial and natural else "grid"
-    if method == "vertices" and affine:
-        return vertices(axis, part)
-    if method == "polya" and polynomial:
-        return polya(axis, part, choice.polya if isinstance(choice.polya, int) else _option(choice.polya, axis, 0))
-    if method == "grid" and points is not None:
-        return grid(axis, part, points if isinstance(points, Grid) else Grid(points))
-    degree = (
-        "not polynomial" if not polynomial else "affine" if affine else f"of degree {part.exponents.sum(axis=1).max()}"
-    )
+    gridded = _option(choice.grid, axis, None) is not None
+    if {"vertices": affine, "polya": polynomial, "grid": gridded}[method]:
+        return str(method)
+    kind = "not polynomial" if not polynomial else "affine" if affine else f"of degree {degree}"
     mends = [(f"--relax {axis.parameter}=vertices", affine), (f"--polya {axis.parameter}=0", polynomial)]
     fitting = [mend for mend, fits in mends if fits] + [f"--grid {axis.parameter}=5"]
     missing = ", but no grid is given" if method == "grid" else f", so '{method}' does not apply"
     raise RelaxationError(
-        f"the dependence on {axis.name} is {degree}{missing}; what fits: {' or '.join(fitting)}",
-        lmi.place,
+        f"the dependence on {axis.name} is {kind}{missing}; what fits: {' or '.join(fitting)}", lmi.place
     )
+
+
+def _relax_axis(method: str, axis: Axis, part: Monomials, choice: Relaxation) -> AxisRelaxation:
+    if method == "vertices":
+        return vertices(axis, part)
+    if method == "polya":
+        return polya(axis, part, _polya_degree(axis, choice))
+    return grid(axis, part, _grid(axis, choice))
+
+
+def _count(method: str, axis: Axis, part: Monomials, choice: Relaxation) -> int:
+    """How many choices an axis will have, before any is written down."""
+    corners = len(axis.domain.vertices)
+    if method == "vertices":
+        return corners
+    if method == "polya":
+        target = int(part.exponents.sum(axis=1).max()) + _polya_degree(axis, choice)
+        return comb(corners + target - 1, target)
+    points = _grid(axis, choice)
+    if points.joint:
+        return len(points.points) or points.count
+    symbols = len(axis.symbols)
+    simplex = axis.domain.kind == "simplex"
+    return comb(points.count + symbols - 2, symbols - 1) if simplex else points.count**symbols
+
+
+def _polya_degree(axis: Axis, choice: Relaxation) -> int:
+    return choice.polya if isinstance(choice.polya, int) else int(_option(choice.polya, axis, 0))
+
+
+def _grid(axis: Axis, choice: Relaxation) -> Grid:
+    points = _option(choice.grid, axis, None)
+    return points if isinstance(points, Grid) else Grid(points)
 
 
 def _option(options: Mapping[str, Any], axis: Axis, default: Any) -> Any:
@@ -130,14 +161,13 @@ def _check_keys(choice: Relaxation, geometry: Space) -> None:
         )
 
 
-def _check_memory(lmi: ParametricLMI, relaxed: list[AxisRelaxation]) -> None:
-    """Refuse, before allocating it, a table of weights that does not fit into half the memory."""
-    needed = 8 * prod(len(r.labels) for r in relaxed) * len(lmi.monomials)
+def _check_memory(lmi: ParametricLMI, counts: list[int]) -> None:
+    """Refuse, before allocating it, what does not fit into half the memory: weights and packed values."""
+    needed = 8 * prod(counts) * (len(lmi.monomials) + svec.length(lmi.order))
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if needed > memory / 2:
-        counts = " x ".join(str(len(r.labels)) for r in relaxed)
         raise RelaxationError(
-            f"{counts} points need {needed / 1e9:.0f} GB for their weights alone, of {memory / 1e9:.0f} GB; "
+            f"{' x '.join(map(str, counts))} points need about {needed / 1e9:.0f} GB of {memory / 1e9:.0f} GB; "
             "take fewer grid points, or vertices where the dependence is affine",
             lmi.place,
         )

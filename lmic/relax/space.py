@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from lmic.bind import Binding
-from lmic.domains import BoxDomain, Domain, joint_step, rate_polytope
+from lmic.domains import Bounds, BoxDomain, Domain, joint_step, rate_polytope
 from lmic.errors import DomainError, Place
 from lmic.language.parameters import NEXT, Parameter, instance_symbol, rate_symbol
 
@@ -55,9 +55,27 @@ def space(binding: Binding, ties: Mapping[str, str] | None = None, joint: frozen
     {"b": "a"}. The components of a box are axes of their own, except for the parameters in
     ``joint``, whose points are given together.
     """
-    ties = dict(ties or {})
+    ties = _roots(binding, ties or {})
     axes: list[Axis] = []
     equal: dict[sp.Symbol, sp.Symbol] = {}
+    for name, domain in binding.domains.items():
+        instances = [parameter.instance for parameter in binding.instances[name]]
+        step = _step(binding, name) if NEXT in instances and NEXT not in ties else "free"
+        same = {**ties, NEXT: ""} if step == "constant" else ties
+        free = [instance for instance in instances if instance not in same]
+        for instance in set(instances) - set(free):
+            equal |= {instance_symbol(c, instance): instance_symbol(c, same[instance]) for c in domain.components}
+        if not isinstance(step, str):
+            axes += _stepping(name, domain, step)
+            free = [instance for instance in free if instance not in ("", NEXT)]
+        for instance in free:
+            axes += _split(name, instance, domain, joint)
+        axes += _rates(binding, name, domain)
+    return Space(tuple(axes), equal)
+
+
+def _roots(binding: Binding, ties: Mapping[str, str]) -> dict[str, str]:
+    """Every tied instance with the one it equals in the end; raises for unknown names and circles."""
     place = Place(binding.theorem.name)
     known = {p.instance for found in binding.instances.values() for p in found}
     for instance in (*ties, *ties.values()):
@@ -66,32 +84,24 @@ def space(binding: Binding, ties: Mapping[str, str] | None = None, joint: frozen
                 f"'{instance}' is no instance of a parameter; the instances are {', '.join(sorted(known - {''}))}",
                 place,
             )
-    for name, domain in binding.domains.items():
-        instances = [parameter.instance for parameter in binding.instances[name]]
-        motion = binding.plant.motions.get(name)
-        bounded = False
-        for instance in instances:
-            target = ties.get(instance)
-            if instance == NEXT and target is None:
-                step = motion.step if motion and motion.step is not None else _stated(binding, name)
-                if step == "constant":
-                    target = ""
-                bounded = not isinstance(step, str)
-            if target is not None:
-                equal |= {instance_symbol(c, instance): instance_symbol(c, target) for c in domain.components}
-        free = [i for i in instances if i not in ties and instance_symbol(domain.components[0], i) not in equal]
-        if bounded:
-            assert motion is not None and not isinstance(motion.step, (str, type(None)))
-            axes += _stepping(name, domain, motion.step)
-            free = [i for i in free if i not in ("", NEXT)]
-        for instance in free:
-            axes += _split(name, instance, domain, joint)
-        axes += _rates(binding, name, domain)
-    return Space(tuple(axes), equal)
+    roots = {}
+    for instance in ties:
+        path = [instance]
+        while path[-1] in ties:
+            path.append(ties[path[-1]])
+            if path[-1] in path[:-1]:
+                raise DomainError(
+                    f"the ties {' = '.join(path)} go in a circle; tie to one instance that is free", place
+                )
+        roots[instance] = path[-1]
+    return roots
 
 
-def _stated(binding: Binding, name: str) -> str:
-    """The freedom of a parameter's next value that the theorem itself states."""
+def _step(binding: Binding, name: str) -> str | Bounds:
+    """How far a parameter moves in a step: what the plant says, else what the theorem itself states."""
+    motion = binding.plant.motions.get(name)
+    if motion is not None and motion.step is not None:
+        return motion.step
     for parameter in binding.instances[name]:
         if parameter.step:
             return parameter.step
@@ -111,7 +121,7 @@ def _split(name: str, instance: str, domain: Domain, joint: frozenset[str]) -> I
         yield Axis(name, instance, domain, tuple(instance_symbol(c, instance) for c in domain.components))
 
 
-def _stepping(name: str, domain: Domain, bounds: Mapping[str, object]) -> Iterator[Axis]:
+def _stepping(name: str, domain: Domain, bounds: Bounds) -> Iterator[Axis]:
     """The parameter and its next value together: a box component by component, a simplex whole."""
     parts = domain.sides if isinstance(domain, BoxDomain) else (domain,)
     for part in parts:
@@ -125,6 +135,11 @@ def _rates(binding: Binding, name: str, domain: Domain) -> Iterator[Axis]:
     occurring = {s for lmi in binding.lmis.values() for atom in lmi.monomials.atoms for s in atom.free_symbols}
     if not occurring & set(rates.values()):
         return
+    if NEXT in [parameter.instance for parameter in binding.instances[name]]:
+        raise DomainError(
+            f"{name} is taken both one step later and with its derivative; state the theorem in one kind of time",
+            Place(binding.theorem.name),
+        )
     motion = binding.plant.motions.get(name)
     if motion is None or motion.rate is None:
         raise DomainError(
