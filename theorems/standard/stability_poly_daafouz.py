@@ -4,7 +4,9 @@ x⁺ = A(ρ) x. ρ_k and ρ_{k+1} range independently over the domain, or within
 the LMI holds, V = xᵀS(ρ)⁻¹x decreases along every trajectory: the system is exponentially stable.
 
 The paper is on a polytope and asks the LMI at its vertices ρ_k = i, ρ_{k+1} = j only, with S_i, G_i and
-A_i. Here it is asked at all ρ_k, ρ_{k+1}, which includes those. A(ρ)G(ρ) is then quadratic in ρ.
+A_i. Here it is asked at all ρ_k, ρ_{k+1}, which includes those; A(ρ)G(ρ) is then quadratic in ρ, and the
+coefficients that replace it are more conservative than the paper's vertices. stability_discrete, whose
+vertices are exact, is equivalent to the paper's condition.
 """
 
 from lmic.dsl import *
