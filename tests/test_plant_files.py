@@ -598,7 +598,11 @@ def test_matrices_are_exact_polynomials(tmp_path: Path) -> None:
     matrix = read_plant(path).matrices["C"]
     assert isinstance(matrix, MatrixPolynomial)
     assert isinstance(matrix.monomials, Monomials)
-    found = {matrix.monomials.text(m): matrix.coefficients[m].tolist() for m in range(len(matrix.monomials))}
+    names = [str(atom) for atom in matrix.monomials.atoms]
+    found = {
+        "*".join(n if p == 1 else f"{n}**{p}" for n, p in zip(names, powers, strict=True) if p): values
+        for powers, values in zip(matrix.monomials.exponents.tolist(), matrix.coefficients.tolist(), strict=True)
+    }
     zero = Fraction(0)
     assert {key: value for key, value in found.items() if any(map(any, value))} == {
         "beta1**2": [[Fraction(1, 3), zero]],
