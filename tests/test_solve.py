@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sps
+from conftest import EXAMPLE_1
 
 from lmic import library
 from lmic.pipeline import compile, finish, prepare, run
@@ -66,22 +67,17 @@ def test_rank_of_a_tall_matrix_is_found_by_the_sketch() -> None:
     assert np.allclose(tall[:, found.kept] @ found.combinations, tall[:, found.left_out])
 
 
-def test_values_do_not_depend_on_the_units_of_the_state(example_1: Plant) -> None:
-    """Scaling the state by 10^±6 changes nothing that matters; a solver alone would not survive it."""
+def test_values_do_not_depend_on_the_units_of_the_state() -> None:
+    """x → Tx is a congruence of Theorem 1 with new unknowns T⁻ᵀXT⁻¹: γ stays, whatever the units."""
     scale = np.array([1e3, 1e-3])
     scaled = {}
-    from conftest import EXAMPLE_1
-
     for key, value in EXAMPLE_1.items():
         array = np.array(value, dtype=float)
-        if key in ("A", "B_w"):
-            array = scale[:, None] * array
-        if key in ("A", "C_y", "C_z"):
-            array = array / scale
-        scaled[key] = array.tolist()
+        array = scale[:, None] * array if key in ("A", "B_w") else array
+        scaled[key] = (array / scale if key in ("A", "C_y", "C_z") else array).tolist()
     result = run(compile(library.theorem("peixoto2025.theorem1"), Plant.polytopic(**scaled), {"eps": 150}))
-    # ε weighs the first block against the second, so the value is not invariant; the answer must be sound
     assert result.solution.relative_violation > -1e-9
+    assert result.reports["gamma"] == pytest.approx(REFERENCE["peixoto2025.theorem1", 150], rel=1e-6)
 
 
 class WithoutEffort:
