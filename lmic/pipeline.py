@@ -26,6 +26,7 @@ from lmic.assemble import ConicProblem, assemble
 from lmic.assumptions import check_assumptions
 from lmic.bases import Choice
 from lmic.bind import Binding, bind
+from lmic.errors import Place, RecoveryError
 from lmic.language.theorem import Theorem
 from lmic.lower import lower
 from lmic.plants.plant import Plant
@@ -35,6 +36,9 @@ from lmic.solve.cone import ConeSolver
 from lmic.solve.solution import Solution
 from lmic.solve.solve import solve
 from lmic.terms import term_lists
+
+#: size up to which an imaginary part is the root of a rounding error
+ROUNDED_ROOT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -98,9 +102,30 @@ def run(problem: ConicProblem, solver: ConeSolver | None = None) -> Result:
 
 
 def reports(design: Design) -> dict[str, float]:
-    """The reported scalars at the solution; a tiny negative square counts as zero."""
-    values = {}
-    for name, expression in design.binding.theorem.reports.items():
-        symbols = {s: sp.Float(design.scalars[s.name], 17) for s in expression.free_symbols}
-        values[name] = float(sp.re(expression.xreplace(symbols)))
-    return values
+    """The reported scalars at the solution; raises RecoveryError where one is not a real number."""
+    expressions = design.binding.theorem.reports
+    return {name: _report(design, name, expression, design.scalars) for name, expression in expressions.items()}
+
+
+def lower_reports(result: Result) -> dict[str, float]:
+    """The reports that are the minimised scalar or its root, at the dual bound."""
+    minimised, design = result.theorem.minimise, result.design
+    if not isinstance(minimised, sp.Symbol):
+        return {}
+    scalars = design.scalars | {minimised.name: max(result.solution.bound, 0.0)}
+    return {
+        name: _report(design, name, expression, scalars)
+        for name, expression in result.theorem.reports.items()
+        if expression in (minimised, sp.sqrt(minimised))
+    }
+
+
+def _report(design: Design, name: str, expression: sp.Expr, scalars: Mapping[str, float]) -> float:
+    value = complex(expression.xreplace({s: sp.Float(scalars[s.name], 17) for s in expression.free_symbols}))
+    # the root of an optimum of zero, which rounding makes slightly negative, is zero
+    if not abs(value.imag) <= ROUNDED_ROOT * max(1.0, abs(value.real)):
+        raise RecoveryError(
+            f"the report {name} = {expression} is {value:.3g} at the solution, which is not real; correct the formula",
+            Place(design.binding.theorem.name),
+        )
+    return value.real

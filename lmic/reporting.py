@@ -187,8 +187,9 @@ def print_result(result: Result) -> None:
     where = f", largest at {solution.worst}" if solution.violation < 0 else ""
     out.print(f"violation   {abs(solution.violation):.1e} ({relative}){where}")
     out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
+    known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     for name, value in result.reports.items():
-        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   numerical; relaxation {result.problem.soundness.value}")
+        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {known}; relaxation {result.problem.soundness.value}")
     for warning in solution.warnings:
         out.print(f"[bold red]warning[/bold red]     {warning}")
     if result.theorem.recover:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import lmic
 from lmic.library import root
 from lmic.norms import frozen_gain
 from lmic.papers.cases import case_tables
-from lmic.papers.reproduce import Verdict, reproduce, run_simulation
+from lmic.papers.reproduce import Verdict, reproduce, run_simulation, verdict
 from lmic.papers.signals import signal
 from lmic.recover import Design
 
@@ -55,6 +56,23 @@ def test_reproduction_of_s2_with_its_simulation() -> None:
     assert outcomes["peixoto2025.table1.robust"].verdict is Verdict.BETTER
     for case, trajectory in run_simulation(table.simulations[0], outcomes).items():
         assert trajectory.gain < outcomes[case].value
+
+
+@pytest.mark.parametrize(
+    ("value", "below", "bound", "expected"),
+    [
+        (1.21, None, None, Verdict.REPRODUCED),
+        (1.30, None, None, Verdict.WORSE),  # above the paper's value, which alone refutes nothing
+        (1.30, "point", 1.2149, Verdict.WORSE),
+        (1.30, "point", 1.22, Verdict.REFUTED),
+        (1.10, None, None, Verdict.BETTER),
+    ],
+)
+def test_verdicts(value: float, below: str | None, bound: float | None, expected: Verdict) -> None:
+    case = next(case for table in case_tables() for case in table.cases if str(case.paper) == "1.21")
+    bounds = {} if bound is None else {"point": bound}
+    assert verdict(replace(case, below=below), value, True, bounds) is expected
+    assert verdict(case, value, False, bounds) is Verdict.UNTRUSTED
 
 
 def test_frozen_gain_against_a_frequency_sweep() -> None:

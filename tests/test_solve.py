@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sps
@@ -123,3 +125,23 @@ def test_unbounded_is_an_answer(example_1: Plant) -> None:
     assert solve(compile(upside_down, example_1, {"eps": 150})).status is Status.UNBOUNDED
     unseen = dataclasses.replace(theorem, minimise=Scalar("nowhere"))
     assert solve(compile(unseen, example_1, {"eps": 150})).status is Status.UNBOUNDED
+
+
+class CallsItInfeasible:
+    """A solver whose first word is wrong: it calls a solvable problem infeasible."""
+
+    name = "pessimist"
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, data: ConeData, rough: bool = False) -> ConeAnswer:
+        self.calls += 1
+        answer = Clarabel()(data, rough)
+        return replace(answer, status=Status.INFEASIBLE) if self.calls == 1 else answer
+
+
+def test_a_false_word_of_infeasibility_is_not_repeated(example_1: Plant) -> None:
+    solution = solve(compile(library.theorem("peixoto2025.theorem1"), example_1, {"eps": 150}), CallsItInfeasible())
+    assert solution.trusted
+    assert np.sqrt(solution.value) == pytest.approx(REFERENCE["peixoto2025.theorem1", 150], rel=1e-8)

@@ -16,7 +16,7 @@ from lmic.library import theorem
 from lmic.norms import frozen_gain
 from lmic.papers.cases import Case, CaseTable, Simulation
 from lmic.papers.signals import signal
-from lmic.pipeline import Result, compile, run
+from lmic.pipeline import Result, compile, lower_reports, run
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
 from lmic.simulate.discrete import simulate_discrete
@@ -72,12 +72,15 @@ def reproduce(table: CaseTable) -> Iterator[Outcome]:
         value = result.reports.get(case.report, float("nan"))
         trusted = result.solution.trusted
         if trusted:
-            bounds[case.id] = value
+            bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
         yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(case, result))
 
 
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:
-    """Reproduced means: equal to the paper's value in the digits that it prints."""
+    """Reproduced means: equal to the paper's value in the digits that it prints.
+
+    Only a lower bound on the optimum refutes: ``bounds`` holds those of the dual, by case.
+    """
     if not trusted:
         return Verdict.UNTRUSTED
     if case.stand_in:
@@ -88,8 +91,8 @@ def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]
         return Verdict.REPRODUCED
     if difference < 0:
         return Verdict.BETTER
-    below = bounds.get(case.below) if case.below else value
-    return Verdict.REFUTED if below and Decimal(below) > case.paper + half_unit else Verdict.WORSE
+    below = bounds.get(case.below, float("-inf")) if case.below else float("-inf")
+    return Verdict.REFUTED if below > case.paper + half_unit else Verdict.WORSE
 
 
 def _frozen_norm(case: Case, result: Result) -> float | None:

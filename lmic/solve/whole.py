@@ -27,6 +27,8 @@ TRUSTED_GAP = 1e-7
 STRICT = 1e-11
 #: rounding of one entry, relative to the sum of the sizes that make it up
 ROUNDING = 16 * np.finfo(float).eps
+#: relative eigenvalue down to which a direction of growth is one
+RAY = 1e-6
 #: a largest margin up to this means that there is none
 NO_MARGIN = 1e-8
 #: bound on the sum of traces in a search for the largest margin, per unit of order and data
@@ -66,9 +68,15 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
     best, steps = _iterate(reduced, solver, passes)
     doubtful = best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6)
-    if doubtful and margin(problem, solver, passes).value <= NO_MARGIN:
-        return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
-    if best.answer.status is Status.UNBOUNDED:
+    if doubtful:
+        feasible = margin(problem, solver, passes)
+        if feasible.value <= NO_MARGIN:
+            return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
+        # there is a point after all: begin again in its coordinates
+        slack = data.matrix @ feasible.x + data.offset
+        best, more = _iterate(reduced, solver, passes, guide=(slack, feasible.x[kept]))
+        steps += more
+    if best.answer.status is Status.UNBOUNDED and _is_ray(reduced, best.x):
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, steps)
     x = np.zeros(problem.size)
     x[kept] = best.x
@@ -123,7 +131,8 @@ def _feasibility(problem: ConicProblem, solver: ConeSolver, passes: int) -> Solu
         return replace(measured, status=Status.SOLVED, value=0.0, bound=0.0, warnings=())
     if found.value <= NO_MARGIN:
         return replace(measured, status=Status.INFEASIBLE, warnings=(Status.INFEASIBLE.advice,))
-    return replace(measured, status=Status.ALMOST, value=0.0, bound=0.0, warnings=_warnings(measured))
+    doubt = f"the largest margin found is {found.value:.1e}, and positive definiteness does not stand out from rounding"
+    return replace(measured, status=Status.ALMOST, value=0.0, bound=0.0, warnings=(doubt,))
 
 
 def _strictly_feasible(problem: ConicProblem, x: Array) -> bool:
@@ -153,13 +162,21 @@ def _svec_identity(order: int) -> Array:
 
 
 def _iterate(
-    data: ConeData, solver: ConeSolver, passes: int, enough: Callable[[_Candidate], bool] | None = None
+    data: ConeData,
+    solver: ConeSolver,
+    passes: int,
+    enough: Callable[[_Candidate], bool] | None = None,
+    guide: tuple[Array, Array] | None = None,
 ) -> tuple[_Candidate, tuple[Pass, ...]]:
-    """Solve, rescale by the answer, solve again, until violation and gap are small or ``enough`` says so."""
-    scaled, transform = scaling.initial(data)
+    """Solve, rescale by the answer, solve again, until violation and gap are small or ``enough`` says so.
+
+    ``guide`` is a slack and a solution whose coordinates to begin in.
+    """
+    scaled, transform = scaling.rescaled(data, *guide) if guide else scaling.initial(data)
     found: list[_Candidate] = []
     for number in range(passes):
-        candidate = _candidate(data, scaled, transform, solver(scaled, rough=number == 0))
+        rough = number == 0 and guide is None
+        candidate = _candidate(data, scaled, transform, solver(scaled, rough=rough))
         found.append(candidate)
         if enough and enough(candidate):
             return candidate, tuple(one.step for one in found)
@@ -168,11 +185,19 @@ def _iterate(
         if number > 0 and _best(found).merit <= SETTLED:
             break
         # an answer that is no answer says nothing of the right coordinates
-        guide = candidate if np.isfinite(candidate.slack).all() else _best(found)
-        if not np.isfinite(guide.slack).all():
+        nearest = candidate if np.isfinite(candidate.slack).all() else _best(found)
+        if not np.isfinite(nearest.slack).all():
             break
-        scaled, transform = scaling.rescaled(data, guide.slack, guide.x)
+        scaled, transform = scaling.rescaled(data, nearest.slack, nearest.x)
     return _best(found), tuple(one.step for one in found)
+
+
+def _is_ray(data: ConeData, direction: Array) -> bool:
+    """Whether the objective falls along a direction in which every F_k grows: a proof of unboundedness."""
+    growth = data.matrix @ direction
+    size = np.linalg.norm(growth) + np.finfo(float).tiny
+    least = min(float(np.linalg.eigvalsh(matrix)[0]) for matrix in scaling.slack_matrices(growth / size, data.orders))
+    return bool(data.cost @ direction < 0 and least > -RAY)
 
 
 def _best(found: list[_Candidate]) -> _Candidate:
@@ -235,8 +260,10 @@ def judged(
         warnings=(),
     )
     warnings = _warnings(found)
-    # the solver's word says little in either direction: what was measured decides
-    status = (Status.ALMOST if warnings else Status.SOLVED) if found.status.usable else found.status
+    # the solver's word says little in either direction: what was measured decides, and a claim of
+    # infeasibility or unboundedness that gets here has not stood its test
+    measured = Status.ALMOST if warnings else Status.SOLVED
+    status = measured if found.status.usable else Status.FAILED
     return replace(found, status=status, warnings=warnings)
 
 
