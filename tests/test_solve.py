@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sps
+import sympy as sp
 from conftest import EXAMPLE_1
 
 from lmic import library
+from lmic.errors import RecoveryError
 from lmic.pipeline import compile, finish, prepare, run
 from lmic.plants.plant import Plant
 from lmic.solve.clarabel import Clarabel
@@ -145,3 +147,10 @@ def test_a_false_word_of_infeasibility_is_not_repeated(example_1: Plant) -> None
     solution = solve(compile(library.theorem("peixoto2025.theorem1"), example_1, {"eps": 150}), CallsItInfeasible())
     assert solution.trusted
     assert np.sqrt(solution.value) == pytest.approx(REFERENCE["peixoto2025.theorem1", 150], rel=1e-8)
+
+
+def test_a_report_that_is_not_real_is_an_error(example_1: Plant) -> None:
+    theorem = library.theorem("peixoto2025.theorem1")
+    impossible = replace(theorem, reports={"gamma": sp.sqrt(-theorem.minimise)})
+    with pytest.raises(RecoveryError, match=r"the report gamma = sqrt\(-delta\) .* not real"):
+        run(compile(impossible, example_1, {"eps": 150}))
