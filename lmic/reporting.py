@@ -129,6 +129,7 @@ def result_record(result: Result) -> dict[str, Any]:
         "iterations": solution.iterations,
         "objective": solution.value,
         "dual_objective": solution.bound,
+        "uncertainty": solution.uncertainty,
         "violation": solution.violation,
         "relative_violation": solution.relative_violation,
         "worst_lmi": solution.worst,
@@ -186,6 +187,7 @@ def print_result(result: Result) -> None:
     relative = f"relative to diag S: {abs(solution.relative_violation):.1e}"
     where = f", largest at {solution.worst}" if solution.violation < 0 else ""
     out.print(f"violation   {abs(solution.violation):.1e} ({relative}){where}")
+    out.print(f"uncertainty {solution.uncertainty:.1e} (gap, and what mending the violation costs; relative)")
     out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
     known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     for name, value in result.reports.items():
@@ -252,9 +254,9 @@ def _reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
     printed = f" ({case.paper_gain})" if case.paper_gain is not None else ""
     return [
         case.what,
-        str(case.paper),
+        "∞" if case.paper.is_infinite() else str(case.paper),
         f"{outcome.value:.7g}",
-        "" if case.stand_in else f"{(outcome.value - paper) / paper:+.2%}",
+        "" if case.stand_in or case.paper.is_infinite() else f"{(outcome.value - paper) / paper:+.2%}",
         outcome.verdict.value,
         f"{abs(outcome.result.solution.relative_violation):.0e}",
         "" if outcome.frozen_norm is None else f"{outcome.frozen_norm:.4g}",

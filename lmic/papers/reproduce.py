@@ -79,12 +79,15 @@ def reproduce(table: CaseTable) -> Iterator[Outcome]:
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:
     """Reproduced means: equal to the paper's value in the digits that it prints.
 
-    Only a lower bound on the optimum refutes: ``bounds`` holds those of the dual, by case.
+    A paper that found no solution prints infinity. Only a lower bound on the optimum refutes:
+    ``bounds`` holds those of the dual, by case.
     """
     if not trusted:
         return Verdict.UNTRUSTED
     if case.stand_in:
         return Verdict.STAND_IN
+    if case.paper.is_infinite():
+        return Verdict.BETTER
     half_unit = Decimal(1).scaleb(int(case.paper.as_tuple().exponent)) / 2
     difference = Decimal(value) - case.paper
     if abs(difference) <= half_unit:

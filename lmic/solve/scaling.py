@@ -3,7 +3,7 @@
 A thin interior makes one scaling of the whole problem useless; conic solvers may scale a PSD cone
 by one number only. Here every LMI gets its own congruence from the slack S of an earlier pass,
 D ≈ S^(-1/2), which brings the solution to the middle of every cone, and the unknowns get
-orthonormal columns. Problems too large for that get the diagonal part of both.
+orthonormal columns. That makes every column dense, which a large problem cannot afford.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ Array: TypeAlias = NDArray[Any]
 REGULARISATION = (1e-4, 1e-2, 1.0)
 CONDITION = 1e-10
 
-#: dense entries up to which the full congruence is formed
-DENSE_LIMIT = 30_000_000
+#: multiplications per iteration of the solver up to which dense columns are affordable: a second or two
+AFFORDABLE = 2e9
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,15 @@ def initial(data: ConeData) -> tuple[ConeData, Scaling]:
     return sps_csc(scaled), Scaling([np.eye(int(order)) for order in data.orders], scale)
 
 
-def rescaled(data: ConeData, slack: Array, x: Array) -> tuple[ConeData, Scaling]:
-    """The problem in the coordinates that a slack and a solution suggest."""
+def affordable(data: ConeData) -> bool:
+    """Whether the problem may be solved with dense columns: the cost of one factorisation is bounded."""
+    lengths, unknowns = svec.length(data.orders.astype(float)), data.matrix.shape[1]
+    return float((lengths**2 * (lengths / 3 + unknowns)).sum() + unknowns**3 / 3) <= AFFORDABLE
+
+
+def rescaled(data: ConeData, slack: Array) -> tuple[ConeData, Scaling]:
+    """The problem in the coordinates that a slack suggests."""
     slacks = slack_matrices(slack, data.orders)
-    if data.matrix.shape[0] * data.matrix.shape[1] > DENSE_LIMIT:
-        return _diagonal(data, [inverse_root(matrix, REGULARISATION[0]) for matrix in slacks], x)
     for regularisation in REGULARISATION:
         congruence = [inverse_root(matrix, regularisation) for matrix in slacks]
         columns = _congruent(data, congruence)
@@ -99,17 +103,6 @@ def _congruent(data: ConeData, congruence: list[Array]) -> Array:
         columns[rows] = (matrices[:, i, j] * weight).T
         start += svec.length(n)
     return columns
-
-
-def _diagonal(data: ConeData, congruence: list[Array], x: Array) -> tuple[ConeData, Scaling]:
-    """Diagonal congruence and one factor per unknown; keeps the sparsity."""
-    diagonals = [np.sqrt((transform**2).sum(axis=0)) for transform in congruence]
-    rows = np.concatenate([d[svec.triangle(len(d))[0]] * d[svec.triangle(len(d))[1]] for d in diagonals])
-    size = np.abs(x)
-    unknowns = np.maximum(size, 1e-8 * size.max(initial=1.0))
-    matrix = sps.diags_array(rows) @ data.matrix @ sps.diags_array(unknowns)
-    scaled = ConeData(data.cost * unknowns, matrix, rows * data.offset, data.orders)
-    return sps_csc(scaled), Scaling([np.diag(d) for d in diagonals], unknowns)
 
 
 def sps_csc(data: ConeData) -> ConeData:

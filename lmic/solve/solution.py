@@ -14,17 +14,28 @@ Array: TypeAlias = NDArray[Any]
 
 #: an objective smaller than this is compared absolutely
 ABSOLUTE = 1e-6
+#: relative uncertainty up to which an objective is a number at all: three digits
+TRUSTED_UNCERTAINTY = 1e-3
 
 
 @dataclass(frozen=True)
 class Pass:
-    """One call of the solver: its word, and the answer measured on the problem itself."""
+    """One call of the solver: its word, and the answer measured on the problem itself.
+
+    ``violation`` is relative to the LMIs' diagonals; ``price`` is what mending it costs.
+    """
 
     word: str
     iterations: int
     value: float
     bound: float
     violation: float
+    price: float
+
+    @property
+    def uncertainty(self) -> float:
+        """Distance from the dual bound to the objective with its price, relative to the objective."""
+        return relative_uncertainty(self.value, self.bound, self.price)
 
 
 @dataclass(frozen=True)
@@ -33,6 +44,7 @@ class Solution:
 
     ``value`` is the objective at ``x``. ``bound`` is the dual objective, less what the dual misses
     its equalities by, weighed with x: a lower bound to rounding, for solutions of the size of x.
+    ``price`` estimates, from the dual, how much the objective rises when the violation is mended.
     ``violation`` is the most negative eigenvalue over all LMIs (0 if none is negative),
     ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that
     LMI. ``dual`` is svec of the dual matrices, row by row as in the problem.
@@ -42,6 +54,7 @@ class Solution:
     x: Array
     value: float
     bound: float
+    price: float
     violation: float
     relative_violation: float
     worst: str
@@ -62,6 +75,16 @@ class Solution:
         return abs(self.value - self.bound) / max(abs(self.value), ABSOLUTE)
 
     @property
+    def uncertainty(self) -> float:
+        """Distance from the dual bound to the objective with its price, relative to the objective."""
+        return relative_uncertainty(self.value, self.bound, self.price)
+
+    @property
     def trusted(self) -> bool:
-        """Usable, and nothing to warn of."""
-        return self.status.usable and not self.warnings
+        """Usable, and known to three digits."""
+        return self.status.usable and self.uncertainty <= TRUSTED_UNCERTAINTY
+
+
+def relative_uncertainty(value: float, bound: float, price: float) -> float:
+    """(|value − bound| + price) / |value|."""
+    return (abs(value - bound) + abs(price)) / max(abs(value), ABSOLUTE)
