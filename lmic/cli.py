@@ -174,7 +174,7 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
     """Regenerate the papers' tables and figures (all, or by the beginning of their ids)."""
     from lmic import reporting, terminal
     from lmic.papers.cases import select
-    from lmic.papers.figures import draw
+    from lmic.papers.figures import draw, draw_responses
     from lmic.papers.reproduce import reproduce as run_table
     from lmic.papers.reproduce import run_simulation
 
@@ -197,6 +197,7 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
             for simulation, trajectories in zip(table.simulations, simulated, strict=True)
             for path in draw(simulation, trajectories, outcomes, output)
         ]
+        figures += draw_responses(table, outcomes, output)
         gains = reporting.achieved_gains(table, simulated, outcomes)
         records += [outcome.record() | {"achieved": gains.get(case)} for case, outcome in outcomes.items()]
         trusted &= all(outcome.result.solution.trusted for outcome in outcomes.values())

@@ -25,6 +25,7 @@ from lmic.language.parameters import Box, Parameter, Simplex
 from lmic.language.systems import (
     Bound,
     ContinuousSystem,
+    DelayedFornasiniMarchesini,
     DelaySystem,
     DiscreteSystem,
     FornasiniMarchesini,
@@ -43,6 +44,7 @@ __all__ = [
     "ContinuousSystem",
     "Data",
     "DelaySystem",
+    "DelayedFornasiniMarchesini",
     "DiscreteSystem",
     "FornasiniMarchesini",
     "He",

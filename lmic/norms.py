@@ -3,26 +3,39 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from lmic.language.systems import ContinuousSystem, DelaySystem, DiscreteSystem, FornasiniMarchesini, System
+from lmic.language.systems import (
+    ContinuousSystem,
+    DelayedFornasiniMarchesini,
+    DelaySystem,
+    DiscreteSystem,
+    FornasiniMarchesini,
+    PlaneSystem,
+    System,
+)
 from lmic.recover import Design
 
 Array: TypeAlias = NDArray[Any]
 
-#: points per frequency from which the maximum over the torus is refined
-TORUS = 48
+#: points per phase, by the number of phases, from which a maximum over the torus is refined
+POINTS = {1: 96, 2: 64, 3: 24, 4: 14}
+#: local maxima of the grid that are refined
+STARTS = 4
+#: entries of the matrices that are formed at once
+ENTRIES = 2**19
 
 
 def frozen_gain(design: Design, system: System, parameters: Mapping[str, Any]) -> Array | None:
     """The ℓ2 gain (H∞ norm) at each of K frozen parameters; infinite where unstable.
 
-    None for a system with delay: its gain depends on the delay's course.
+    None for a :class:`DelaySystem`: its gain depends on the delay's course. The delays of a 2-D system
+    are fixed, and its gain is the supremum over all of them.
     """
     if isinstance(system, DelaySystem):
         return None
@@ -33,8 +46,23 @@ def frozen_gain(design: Design, system: System, parameters: Mapping[str, Any]) -
             return np.array([h_infinity(**m, discrete=True) for m in stacks])
         case ContinuousSystem():
             return np.array([h_infinity(**m, discrete=False) for m in stacks])
-        case FornasiniMarchesini():
+        case FornasiniMarchesini() | DelayedFornasiniMarchesini():
             return np.array([torus_norm(**m) for m in stacks])
+
+
+def frozen_magnitude(
+    design: Design, system: PlaneSystem, parameters: Mapping[str, Any], frequencies: Array, delay: Sequence[int]
+) -> Array:
+    """Magnitude of a stable 2-D system's response at K frozen parameters, shape (K, N).
+
+    ``frequencies`` has shape (N, 2), in radians per step along i and j; ``delay`` are d1 and d2, of no
+    effect where the system has no delays.
+    """
+    matrices = design.frozen(system, parameters)
+    dynamics = np.stack([matrices[name] for name in ("A1", "A2", "A_d1", "A_d2") if name in matrices], axis=1)
+    inputs = np.stack([matrices["B1"], matrices["B2"]], axis=1)
+    phases = np.hstack([frequencies, frequencies * (1 + np.asarray(delay))])[:, : dynamics.shape[1]]
+    return np.array([magnitude(*frozen, phases) for frozen in zip(dynamics, inputs, matrices["C"], strict=True)])
 
 
 def h_infinity(A: Array, B: Array, C: Array, D: Array, discrete: bool) -> float:
@@ -55,22 +83,68 @@ def h_infinity(A: Array, B: Array, C: Array, D: Array, discrete: bool) -> float:
         return float(control.norm(system, p="inf", tol=1e-9))
 
 
-def torus_norm(A1: Array, A2: Array, B1: Array, B2: Array, C: Array) -> float:
-    """Largest gain of a 2-D system over the frequency torus, from a grid refined by a local search."""
+def torus_norm(
+    A1: Array, A2: Array, B1: Array, B2: Array, C: Array, A_d1: Array | None = None, A_d2: Array | None = None
+) -> float:
+    """Largest gain of a 2-D system over its frequencies and, where it has delays, over all of them.
 
-    def gain(first: Array, second: Array) -> Array:
-        z1, z2 = np.exp(1j * first)[..., None, None], np.exp(1j * second)[..., None, None]
-        response = C @ np.linalg.solve(np.eye(len(A1)) - z1 * A1 - z2 * A2, z1 * B1 + z2 * B2)
-        return np.linalg.svd(response, compute_uv=False)[..., 0]
+    A_d1 acts with the phase (d1 + 1) ω1 and A_d2 with (d2 + 1) ω2. At almost every frequency these come
+    arbitrarily close to any two phases as d1 and d2 vary, so that the supremum over all delays is the
+    maximum over independent phases. Infinite unless Σ_k z_k A_k is Schur stable for all |z_k| = 1: its
+    spectral radius is largest there of all |z_k| ≤ 1 (it is plurisubharmonic), so that I − Σ_k z_k A_k is
+    then regular in the closed polydisc, as stability for all delays asks.
+    """
+    dynamics = np.stack([A1, A2, *(matrix for matrix in (A_d1, A_d2) if matrix is not None and matrix.any())])
+    batch = max(1, ENTRIES // A1.size)
 
-    # the response of a real system is even in (ω1, ω2) together: half the torus is enough
-    first, second = np.meshgrid(np.linspace(0, np.pi, TORUS), np.linspace(-np.pi, np.pi, 2 * TORUS), indexing="ij")
-    values = gain(first, second)
-    best = int(np.argmax(values))
+    def radius(phases: Array) -> Array:
+        # a common phase turns the eigenvalues and leaves their size
+        turned = dynamics[0] + np.tensordot(np.exp(-1j * phases), dynamics[1:], axes=1)
+        return np.abs(np.linalg.eigvals(turned)).max(axis=-1)
+
+    if not torus_maximum(radius, len(dynamics) - 1, batch) < 1:
+        return float("inf")
+    inputs = np.stack([B1, B2])
+    return torus_maximum(lambda phases: magnitude(dynamics, inputs, C, phases), len(dynamics), batch)
+
+
+def magnitude(dynamics: Array, inputs: Array, C: Array, phases: Array) -> Array:
+    """Largest singular value of C (I − Σ_k z_k A_k)⁻¹ (z_1 B_1 + z_2 B_2), z_k = exp(−iφ_k), shape (N,).
+
+    ``dynamics`` are the K matrices A_k, ``inputs`` B_1 and B_2, ``phases`` has shape (N, K) in radians.
+    """
+    z = np.exp(-1j * phases)
+    system = np.eye(dynamics.shape[-1]) - np.tensordot(z, dynamics, axes=1)
+    response = C @ np.linalg.solve(system, np.tensordot(z[:, :2], inputs, axes=1))
+    return np.linalg.svd(response, compute_uv=False)[:, 0]
+
+
+def torus_maximum(function: Callable[[Array], Array], dimension: int, batch: int) -> float:
+    """Maximum of a function of ``dimension`` phases: a grid, its best local maxima refined by Nelder–Mead.
+
+    ``function`` maps phases (N, dimension) to N values and is asked for at most ``batch`` of them.
+    """
+    count = POINTS[dimension]
+    step = 2 * np.pi / count
+    grid = step * np.indices([count] * dimension).reshape(dimension, -1).T
+    values = np.concatenate([function(grid[k : k + batch]) for k in range(0, len(grid), batch)])
+    starts = grid[_local_maxima(values.reshape([count] * dimension))[:STARTS]]
+    return max(float(values.max()), *(_refined(function, start, step / 2) for start in starts))
+
+
+def _refined(function: Callable[[Array], Array], start: Array, step: float) -> float:
+    """The local maximum that a simplex search reaches from ``start`` and its neighbours at ``step``."""
 
     def loss(point: Array) -> float:
-        return -float(gain(point[:1], point[1:])[0])
+        return -float(function(point[None])[0])
 
-    start = np.array([first.ravel()[best], second.ravel()[best]])
-    refined = minimize(loss, start, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12})
-    return max(float(values.max()), -loss(refined.x))
+    simplex = np.vstack([start, start + step * np.eye(len(start))])
+    options: Any = {"initial_simplex": simplex, "xatol": 1e-9, "fatol": 1e-12}
+    return -loss(minimize(loss, start, method="Nelder-Mead", options=options).x)
+
+
+def _local_maxima(values: Array) -> Array:
+    """Flat indices of the entries that no neighbour along an axis exceeds (periodic), the largest first."""
+    neighbours = [np.roll(values, shift, axis) for axis in range(values.ndim) for shift in (-1, 1)]
+    found = np.flatnonzero(np.all([values >= other for other in neighbours], axis=0))
+    return found[np.argsort(-values.ravel()[found])]

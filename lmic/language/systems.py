@@ -57,14 +57,32 @@ class FornasiniMarchesini:
     C: Node
 
 
-System: TypeAlias = DiscreteSystem | ContinuousSystem | DelaySystem | FornasiniMarchesini
+@dataclass(frozen=True)
+class DelayedFornasiniMarchesini:
+    """A :class:`FornasiniMarchesini` system with A_d1 x_{i−d1,j+1} + A_d2 x_{i+1,j−d2} more in x_{i+1,j+1}.
+
+    The delays d1 along i and d2 along j are fixed steps, each any nonnegative integer.
+    """
+
+    A1: Node
+    A2: Node
+    A_d1: Node
+    A_d2: Node
+    B1: Node
+    B2: Node
+    C: Node
+
+
+PlaneSystem: TypeAlias = FornasiniMarchesini | DelayedFornasiniMarchesini
+System: TypeAlias = DiscreteSystem | ContinuousSystem | DelaySystem | PlaneSystem
 
 
 @dataclass(frozen=True)
 class Bound:
     """What the theorem promises: the ``norm`` from w to z of ``system`` is below ``report``.
 
-    ``norm`` is "l2 gain" (on frozen parameters the H∞ norm) or "energy to peak".
+    ``norm`` is "l2 gain" (on frozen parameters the H∞ norm) or "energy to peak", the largest |z| at
+    one time or place, over ‖w‖₂. A system with delays keeps the promise for each of them.
     """
 
     norm: str

@@ -66,14 +66,29 @@ class Simulation:
 
 
 @dataclass(frozen=True)
+class Response:
+    """A figure: the magnitude over the frequencies of a 2-D case's closed loop at frozen parameters.
+
+    ``parameters`` are rows of values by name, as many for each; ``delay`` the steps along i and j.
+    """
+
+    id: str
+    title: str
+    case: str
+    parameters: Mapping[str, tuple[tuple[float, ...], ...]]
+    delay: tuple[int, int]
+
+
+@dataclass(frozen=True)
 class CaseTable:
-    """All cases and simulations of one paper; ``group`` is its folder in the library."""
+    """All cases, simulations and responses of one paper; ``group`` is its folder in the library."""
 
     group: str
     paper: str
     notes: str
     cases: tuple[Case, ...]
     simulations: tuple[Simulation, ...]
+    responses: tuple[Response, ...]
 
 
 def case_tables() -> list[CaseTable]:
@@ -96,8 +111,9 @@ def select(names: tuple[str, ...]) -> list[CaseTable]:
         wanted |= {case.below for case in table.cases if case.id in wanted and case.below}
         cases = tuple(case for case in table.cases if case.id in wanted)
         simulations = tuple(s for s in table.simulations if wanted.issuperset(s.cases))
+        responses = tuple(response for response in table.responses if response.case in wanted)
         if cases:
-            reduced.append(replace(table, cases=cases, simulations=simulations))
+            reduced.append(replace(table, cases=cases, simulations=simulations, responses=responses))
     return reduced
 
 
@@ -115,6 +131,7 @@ def read_cases(path: Path) -> CaseTable:
         table.get("notes", ""),
         tuple(_case(entry, path, group) for entry in table.get("case", [])),
         tuple(_simulation(entry, group) for entry in table.get("simulation", [])),
+        tuple(_response(entry, group) for entry in table.get("response", [])),
     )
 
 
@@ -152,4 +169,15 @@ def _simulation(entry: Mapping[str, Any], group: str) -> Simulation:
         boundary=tuple(entry.get("boundary", ())),
         delay={f"{group}.{case}": text for case, text in entry.get("delay", {}).items()},
         figures=tuple(Panel(f"{group}.{f['id']}", f["title"], tuple(f["show"])) for f in entry.get("figures", [])),
+    )
+
+
+def _response(entry: Mapping[str, Any], group: str) -> Response:
+    along_i, along_j = entry.get("delay", (0, 0))
+    return Response(
+        id=f"{group}.{entry['id']}",
+        title=entry["title"],
+        case=f"{group}.{entry['case']}",
+        parameters={name: tuple(map(tuple, rows)) for name, rows in entry["parameters"].items()},
+        delay=(along_i, along_j),
     )

@@ -1,4 +1,4 @@
-"""Draw the papers' figures: signals over time as steps, over the plane as surfaces."""
+"""Draw the papers' figures: signals over time as steps, over the plane as surfaces, responses as maps."""
 
 from __future__ import annotations
 
@@ -11,12 +11,20 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic.papers.cases import Panel, Simulation
+from lmic.errors import LibraryError
+from lmic.language.systems import DelayedFornasiniMarchesini, FornasiniMarchesini
+from lmic.norms import frozen_magnitude
+from lmic.papers.cases import CaseTable, Panel, Response, Simulation
 from lmic.papers.reproduce import Outcome
 from lmic.simulate.trajectory import Trajectory
 
 Array: TypeAlias = NDArray[Any]
 Trajectories: TypeAlias = Mapping[str, Trajectory]
+
+#: frequencies in each direction at which a response is drawn
+FREQUENCIES = 121
+#: maps in one row of a figure
+COLUMNS = 4
 
 
 def draw(
@@ -27,19 +35,92 @@ def draw(
     return [_figure(panel, trajectories, outcomes, folder) for panel in simulation.figures]
 
 
-def _figure(panel: Panel, trajectories: Trajectories, outcomes: Mapping[str, Outcome], folder: Path) -> Path:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+def draw_responses(table: CaseTable, outcomes: Mapping[str, Outcome], folder: Path) -> list[Path]:
+    """One PNG for each response of the table whose case has a design, named by its id."""
+    return [
+        _response(response, outcomes[response.case], folder)
+        for response in table.responses
+        if outcomes[response.case].result.solution.status.usable
+    ]
 
-    figure = Figure(layout="constrained")
-    FigureCanvasAgg(figure)
+
+def _figure(panel: Panel, trajectories: Trajectories, outcomes: Mapping[str, Outcome], folder: Path) -> Path:
+    figure = _canvas()
     first = next(iter(trajectories.values()))
     if first.w.ndim == 3:
         _surface(figure, _shown(first, panel.show[0])[..., 0])
     else:
         _steps(figure, _rows(panel, trajectories, outcomes))
-    figure.suptitle(panel.title, fontsize=11)
-    path = folder / f"{panel.id}.png"
+    return _saved(figure, panel.id, panel.title, folder)
+
+
+def _response(response: Response, outcome: Outcome, folder: Path) -> Path:
+    """A map of the magnitude for each row of parameter values, and the maxima beside the bound."""
+    result = outcome.result
+    bounds = [b for b in result.theorem.guarantees if b.norm == "l2 gain"]
+    system = bounds[0].system if bounds else None
+    if not isinstance(system, (FornasiniMarchesini, DelayedFornasiniMarchesini)):
+        raise LibraryError(
+            f"{outcome.case.theorem} bounds the l2 gain of no 2-D system; give {response.id} a case whose theorem does"
+        )
+    axis = np.linspace(-np.pi, np.pi, FREQUENCIES)
+    frequencies = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
+    values = frozen_magnitude(result.design, system, response.parameters, frequencies, response.delay)
+    bound, labels = result.reports[bounds[0].report], _labels(response.parameters)
+    figure = _canvas()
+    _maps(figure, values.reshape(-1, FREQUENCIES, FREQUENCIES), labels, bound)
+    return _saved(figure, response.id, response.title, folder)
+
+
+def _labels(parameters: Mapping[str, Any]) -> list[str]:
+    """What the parameters are at each of the rows, as one line."""
+    rows = zip(*parameters.values(), strict=True)
+    return [", ".join(f"({', '.join(f'{value:g}' for value in values)})" for values in row) for row in rows]
+
+
+def _maps(figure: Any, values: Array, labels: list[str], bound: float) -> None:
+    rows = -(-(len(values) + 1) // COLUMNS)
+    figure.set_size_inches(2.6 * COLUMNS + 1, 2.6 * rows + 0.4)
+    axes = figure.subplots(rows, COLUMNS).ravel()
+    maps = axes[: len(values)]
+    for axis, magnitude, label in zip(maps, values, labels, strict=True):
+        image = axis.imshow(
+            magnitude.T, origin="lower", extent=(-np.pi, np.pi, -np.pi, np.pi), vmin=0, vmax=bound, cmap="viridis"
+        )
+        axis.set_title(f"at {label}", fontsize=9)
+        axis.set_xticks([-np.pi, 0, np.pi], ["−π", "0", "π"])
+        axis.set_yticks([-np.pi, 0, np.pi], ["−π", "0", "π"])
+        axis.set_xlabel(r"$\omega_1$ (rad/step)", fontsize=8)
+        axis.set_ylabel(r"$\omega_2$ (rad/step)", fontsize=8)
+    figure.colorbar(image, ax=list(axes), label=f"gain from w to e; the scale ends at the bound {bound:.4g}")
+    _maxima(axes[len(values)], values.max(axis=(1, 2)), labels, bound)
+    for axis in axes[len(values) + 1 :]:
+        axis.set_axis_off()
+
+
+def _maxima(axis: Any, maxima: Array, labels: list[str], bound: float) -> None:
+    places = np.arange(len(maxima))
+    axis.plot(places, maxima, "o", markersize=4)
+    axis.axhline(bound, color="tab:red", linestyle="--", linewidth=1.2)
+    axis.annotate(f"bound {bound:.4g}", (0, bound), (0, -10), textcoords="offset points", color="tab:red", fontsize=8)
+    axis.set_ylim(0, 1.08 * bound)
+    axis.set_xticks(places, labels, rotation=90, fontsize=7)
+    axis.set_title("largest gain at each", fontsize=9)
+    axis.grid(alpha=0.3)
+
+
+def _canvas() -> Any:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _saved(figure: Any, name: str, title: str, folder: Path) -> Path:
+    figure.suptitle(title, fontsize=11)
+    path = folder / f"{name}.png"
     figure.savefig(path, dpi=130)
     return path
 
