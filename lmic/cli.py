@@ -126,7 +126,8 @@ def solve(name: str, plant: Path, search: str | None, as_json: bool, **choices: 
     if search:
         scalar, low, high = interval(search, "--search")
         given = numbers(chosen.given, "--set")
-        found = search_scalar(chosen.prepare_files(name, plant), scalar, low, high, given, chosen.relaxation())
+        binding = chosen.prepare_files(name, plant)
+        found = search_scalar(binding, scalar, low, high, given, chosen.relaxation(binding.plant))
     result = found.result if found else run(chosen.compile_files(name, plant))
     if as_json:
         echo_json(reporting.result_record(result) | ({"search": reporting.search_record(found)} if found else {}))

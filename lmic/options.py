@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from lmic.plants.plant import Plant
     from lmic.relax.grid import Grid
     from lmic.relax.relax import Relaxation
+    from lmic.sampling import Gain
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -34,6 +35,7 @@ OPTIONS = (
     _several("--size", "sizes", "NAME=N", "A dimension that no matrix of the plant fixes."),
     _several("--polya", "polya", "[NAME=]DEGREE", "Pólya degree, for all parameters or for one."),
     _several("--grid", "grid", "NAME=GRID", "Points where a grid is used: 5, chebyshev:9, random:100."),
+    _several("--cover", "cover", "NAME=GAIN", "Grid that covers the sampling intervals: h=rigorous or h=published."),
     _several("--relax", "method", "NAME=METHOD", "auto, vertices, polya or grid."),
     _several("--tie", "ties", "B=A", "Instance b of a parameter equals instance a."),
 )
@@ -55,6 +57,7 @@ class Choices:
     sizes: Sequence[str] = ()
     polya: Sequence[str] = ()
     grid: Sequence[str] = ()
+    cover: Sequence[str] = ()
     method: Sequence[str] = ()
     ties: Sequence[str] = ()
 
@@ -67,7 +70,7 @@ class Choices:
             plant,
             numbers(self.given, "--set"),
             dependences(self.dependence),
-            self.relaxation(),
+            self.relaxation(plant),
             self.dimensions(),
         )
 
@@ -94,14 +97,17 @@ class Choices:
                 raise LmicError(f"--size {name}={value}: a dimension is at least 1")
         return sizes
 
-    def relaxation(self) -> Relaxation:
-        """The relaxation that the options ask for."""
+    def relaxation(self, plant: Plant) -> Relaxation:
+        """The relaxation that the options ask for; a covering takes its domain and matrix from the plant."""
         from lmic.relax.relax import Relaxation
+        from lmic.sampling import cover
 
+        grid = {name: _grid(value) for name, value in _pairs(self.grid, "--grid").items()}
+        covered = {name: cover(plant, _gain(value), name).grid for name, value in _pairs(self.cover, "--cover").items()}
         return Relaxation(
             method=_pairs(self.method, "--relax"),
             polya=degrees(self.polya),
-            grid={name: _grid(value) for name, value in _pairs(self.grid, "--grid").items()},
+            grid=grid | covered,
             ties=_pairs(self.ties, "--tie"),
         )
 
@@ -155,6 +161,14 @@ def _grid(text: str) -> Grid:
 
     kind, _, count = text.rpartition(":")
     return Grid(_count(count, "--grid"), kind or "uniform")
+
+
+def _gain(text: str) -> Gain:
+    from lmic.sampling import Gain
+
+    if text not in list(Gain):
+        raise LmicError(f"'{text}' after --cover is no gain; use {' or '.join(Gain)}")
+    return Gain(text)
 
 
 def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:

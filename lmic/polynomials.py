@@ -17,6 +17,8 @@ import sympy as sp
 from numpy.typing import NDArray
 from sympy.polys.polyutils import dict_from_expr
 
+from lmic.functions import replaced_entries
+
 Array: TypeAlias = NDArray[Any]
 Atom: TypeAlias = sp.Expr
 
@@ -96,6 +98,7 @@ def union(first: Sequence[Atom], second: Sequence[Atom]) -> tuple[Atom, ...]:
 
 def atom_values(atom: Atom, values: Mapping[sp.Symbol, Any]) -> Array:
     """Value of an atom where its symbols take the given values (arrays allowed)."""
+    atom, values = replaced_entries(atom, values)
     if atom in values:
         return np.asarray(values[atom], dtype=float)
     symbols = sorted(atom.free_symbols, key=str)

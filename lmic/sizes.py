@@ -26,7 +26,7 @@ def solve_sizes(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place:
         for expression, found in zip(leaf.shape, plant.matrices[name].shape, strict=True):
             if expression.is_Symbol and expression not in values:
                 values[expression], witness[expression] = found, name
-    unknown = sorted(set(plant.matrices) - set(theorem.data))
+    unknown = sorted(set(plant.matrices) - set(theorem.data) - plant.ingredients)
     if unknown:
         raise PlantError(
             f"{plant.name} gives the matrix {unknown[0]}, which the theorem does not use; "

@@ -13,6 +13,7 @@ from lmic.errors import LibraryError
 from lmic.library import root
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
+from lmic.sampling import Gain
 
 
 @dataclass(frozen=True)
@@ -20,8 +21,9 @@ class Case:
     """One number of a paper.
 
     ``paper`` is the value as printed and ``paper_gain`` the gain it simulated; ``given`` are the
-    scalars; ``below`` is the case whose optimum is a lower bound on this one's; ``stand_in`` says
-    that the paper's data are lost; ``reference`` is the known optimum, which only tests read.
+    scalars; ``cover`` names sampling intervals whose grid is found by covering their domain; ``below``
+    is the case whose optimum is a lower bound on this one's; ``stand_in`` says that the paper's data
+    are lost; ``reference`` is the known optimum, which only tests read.
     """
 
     id: str
@@ -33,6 +35,7 @@ class Case:
     paper: Decimal
     given: Mapping[str, Any]
     relaxation: Relaxation
+    cover: Mapping[str, Gain]
     below: str | None
     stand_in: bool
     paper_gain: Decimal | None
@@ -146,6 +149,7 @@ def _case(entry: Mapping[str, Any], path: Path, group: str) -> Case:
         paper=Decimal(entry["paper"]),
         given=entry.get("set", {}),
         relaxation=_relaxation(entry),
+        cover={name: Gain(text) for name, text in entry.get("cover", {}).items()},
         below=f"{group}.{entry['below']}" if "below" in entry else None,
         stand_in=entry.get("stand_in", False),
         paper_gain=Decimal(entry["paper_gain"]) if "paper_gain" in entry else None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import StrEnum
 from typing import Any
@@ -19,6 +19,7 @@ from lmic.papers.signals import signal
 from lmic.pipeline import Result, compile, lower_reports, run
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
+from lmic.sampling import cover
 from lmic.simulate.discrete import simulate_discrete
 from lmic.simulate.plane import simulate_plane
 from lmic.simulate.trajectory import Trajectory
@@ -67,7 +68,10 @@ def reproduce(table: CaseTable) -> Iterator[Outcome]:
     """Solve the cases of a table one after another; a lower bound stands before what it bounds."""
     bounds: dict[str, float] = {}
     for case in table.cases:
-        problem = compile(theorem(case.theorem), read_plant(case.plant), case.given, relaxation=case.relaxation)
+        plant = read_plant(case.plant)
+        covered = {name: cover(plant, gain, name).grid for name, gain in case.cover.items()}
+        relaxation = replace(case.relaxation, grid={**case.relaxation.grid, **covered})
+        problem = compile(theorem(case.theorem), plant, case.given, relaxation=relaxation)
         result = run(problem)
         value = result.reports.get(case.report, float("nan"))
         trusted = result.solution.trusted

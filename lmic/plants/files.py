@@ -15,6 +15,8 @@ A text file (JSON has the same structure)::
     A = { vertices = [[[0.43, 0], [1, "c/2"]], [[0.1, 0.9], [0, 0.05]]] }
     B = [["1 + 0.5*rho1", "sin(rho2)"], [0, "c"]]   # expressions in components and scalars
     C = [[1, 0]]
+    Phi = { exponential = "F", time = "h" }         # exp(h F), F constant
+    Gamma = { exponential = "F", time = "h", input = "G" }     # the integral of exp(s F) G over s from 0 to h
 
 Vertices belong to the only simplex, or to the one that ``parameter = "alpha"`` beside them names;
 their entries are numbers and expressions in the scalars. A decimal is the rational that it is
@@ -49,6 +51,7 @@ from numpy.typing import NDArray
 
 from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.errors import DomainError, PlantError
+from lmic.functions import exponential
 from lmic.plants.expressions import RESERVED, decimal, parse, quoted, size
 from lmic.plants.matlab import read_arrays
 from lmic.plants.plant import Plant, exact_number, vertex_polynomial
@@ -183,11 +186,16 @@ def _plant_of_tables(document: Any, stem: str) -> Plant:
         with _at(f"scalar {name}"):
             scalars[name] = _number(entry)
     plant = Plant({}, domains, motions, scalars, **texts)
-    matrices = {}
-    for name, entry in _named(document, "matrices"):
+    matrices: dict[str, MatrixPolynomial] = {}
+    entries = dict(_named(document, "matrices"))
+    exponentials = {name for name, entry in entries.items() if isinstance(entry, dict) and "exponential" in entry}
+    for name in sorted(entries, key=lambda name: name in exponentials):
         with _at(f"matrix {name}"):
-            matrices[name] = _matrix(entry, plant)
-    return replace(plant, matrices=matrices)
+            matrices[name] = (
+                _exponential(entries[name], plant, matrices) if name in exponentials else _matrix(entries[name], plant)
+            )
+    used = {entries[name].get(key) for name in exponentials for key in ("exponential", "input")}
+    return replace(plant, matrices=matrices, ingredients=frozenset(used & set(matrices)))
 
 
 def _table(entry: Any, keys: set[str]) -> dict[str, Any]:
@@ -281,6 +289,41 @@ def _matrix(entry: Any, plant: Plant) -> MatrixPolynomial:
                 sizes = f"{_shape(vertices[-1])} where vertex 1 is {_shape(vertices[0])}"
                 raise PlantError(f"is {sizes}; make all vertices equally large")
     return _vertex_sum(np.array(vertices), domain)
+
+
+def _exponential(entry: Any, plant: Plant, known: Mapping[str, MatrixPolynomial]) -> MatrixPolynomial:
+    """exp(tA), or the integral of exp(sA) B over s from 0 to t: a block of exp(t [[A, B], [0, 0]])."""
+    entry = _table(entry, {"exponential", "time", "input"})
+    exponent = _constant(entry["exponential"], known)
+    if exponent.shape[0] != exponent.shape[1]:
+        raise PlantError(
+            f"{quoted(entry['exponential'])} is {_shape(exponent)}; only a square matrix has an exponential"
+        )
+    order = exponent.shape[0]
+    components = {name: sp.Symbol(name) for domain in plant.domains.values() for name in domain.components}
+    if not isinstance(entry.get("time"), str):
+        raise PlantError('has no time; add time = "h", the component that multiplies the exponent')
+    time = parse(entry["time"], components)
+    if "input" not in entry:
+        return MatrixPolynomial.from_sympy(exponential(sp.Matrix(exponent), time, order, slice(None)))
+    right = _constant(entry["input"], known)
+    if right.shape[0] != order:
+        raise PlantError(
+            f"{quoted(entry['input'])} has {right.shape[0]} rows where the exponent has {order}; correct one"
+        )
+    augmented = sp.zeros(order + right.shape[1])
+    augmented[:order, :order], augmented[:order, order:] = sp.Matrix(exponent), sp.Matrix(right)
+    return MatrixPolynomial.from_sympy(exponential(augmented, time, order, slice(order, None)))
+
+
+def _constant(name: Any, known: Mapping[str, MatrixPolynomial]) -> Array:
+    """A matrix of this plant that depends on nothing, by name."""
+    if not isinstance(name, str) or name not in known:
+        names = ", ".join(known) or "none yet"
+        raise PlantError(f"{quoted(name)} is no matrix of this plant; name a constant one (there are: {names})")
+    if known[name].monomials.atoms:
+        raise PlantError(f"{quoted(name)} is not constant; an exponential is formed of constant matrices")
+    return np.asarray(known[name].coefficients[0])
 
 
 def _simplex(name: Any, domains: Mapping[str, Domain]) -> Domain:

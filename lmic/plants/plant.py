@@ -23,6 +23,7 @@ class Plant:
     ``matrices`` have exact coefficients; their atoms are components of the ``domains``, names of
     ``scalars`` and functions of both. ``motions`` say how far a parameter moves in a step or per
     unit of time, where a theorem asks. ``scalars`` hold the values used unless others are set.
+    ``ingredients`` names matrices that others are made of: a theorem need not use them itself.
     """
 
     matrices: Mapping[str, MatrixPolynomial]
@@ -31,6 +32,7 @@ class Plant:
     scalars: Mapping[str, Fraction] = field(default_factory=dict)
     name: str = "plant"
     source: str = ""
+    ingredients: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         owners = dict.fromkeys(self.scalars, "the scalars")

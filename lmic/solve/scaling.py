@@ -52,7 +52,8 @@ def initial(data: ConeData) -> tuple[ConeData, Scaling]:
 
 def affordable(data: ConeData) -> bool:
     """Whether the problem may be solved with dense columns: the cost of one factorisation is bounded."""
-    lengths, unknowns = svec.length(data.orders.astype(float)), data.matrix.shape[1]
+    orders, unknowns = data.orders.astype(float), data.matrix.shape[1]
+    lengths = orders * (orders + 1) / 2
     return float((lengths**2 * (lengths / 3 + unknowns)).sum() + unknowns**3 / 3) <= AFFORDABLE
 
 

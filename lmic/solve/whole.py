@@ -202,7 +202,7 @@ def _iterate(
 
 
 def _retreat(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidate, tuple[Pass, ...]]:
-    """Solve in sparse coordinates; while the answer leaves a cone, ask for a margin relative to the slack's diagonal."""
+    """Solve in sparse coordinates; while the answer leaves a cone, ask for a share of diag S as margin."""
     scaled, transform = scaling.initial(data)
     found = [_candidate(data, scaled, transform, solver(scaled))]
     diagonal = _svec_diagonal(found[0].slack, data.orders)
