@@ -72,6 +72,8 @@ def h_infinity(A: Array, B: Array, C: Array, D: Array, discrete: bool) -> float:
     eigenvalues = np.linalg.eigvals(A)
     if not (np.abs(eigenvalues).max() < 1 if discrete else eigenvalues.real.max() < 0):
         return float("inf")
+    if discrete:
+        A, B, C, D = _bilinear(A, B, C, D)
     # zero inputs or outputs are added: python-control 0.10 forms its Hamiltonian for square systems only
     outputs, inputs = D.shape
     more_inputs, more_outputs = max(outputs - inputs, 0), max(inputs - outputs, 0)
@@ -79,8 +81,18 @@ def h_infinity(A: Array, B: Array, C: Array, D: Array, discrete: bool) -> float:
     D = np.pad(D, ((0, more_outputs), (0, more_inputs)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        system = control.ss(A, B, C, D, True) if discrete else control.ss(A, B, C, D)
-        return float(control.norm(system, p="inf", tol=1e-9))
+        return float(control.norm(control.ss(A, B, C, D), p="inf", tol=1e-9))
+
+
+def _bilinear(A: Array, B: Array, C: Array, D: Array) -> tuple[Array, Array, Array, Array]:
+    """The continuous-time system of the same gain over all frequencies, z = (1 + s)/(1 − s).
+
+    The discrete-time Hamiltonian needs A⁻¹, and sampled filters have poles at zero.
+    """
+    identity = np.eye(len(A))
+    shifted = np.linalg.inv(A + identity)
+    root = np.sqrt(2.0)
+    return shifted @ (A - identity), root * shifted @ B, root * C @ shifted, D - C @ shifted @ B
 
 
 def torus_norm(

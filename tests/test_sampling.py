@@ -98,7 +98,7 @@ def test_an_unstable_plant_covers_nothing(tmp_path: Path) -> None:
     assert sampled_gain(np.array([[0.1]]), 0.1) == np.inf
     file = tmp_path / "unstable.toml"
     file.write_text("[parameters.h]\nbox = { h = [0.1, 0.2] }\n[matrices]\nA = [[1]]\n")
-    with pytest.raises(PlantError, match="A is not Hurwitz, so no interval around 0.15 is covered"):
+    with pytest.raises(PlantError, match=r"A is not Hurwitz, so no interval around 0\.15 is covered"):
         cover(read_plant(file))
 
 
@@ -113,6 +113,18 @@ def test_the_examples_meet_their_references() -> None:
         assert rigorous.value > published.value
         assert rigorous.frozen_norm <= rigorous.value * (1 + 1e-9)
     assert outcomes["mustafa.example1.published"].verdict is Verdict.REPRODUCED
+    assert outcomes["mustafa.example1.published"].result.solution.attained
+
+
+def test_an_infimum_that_is_not_attained_is_called_so() -> None:
+    """Example 2 at h = 0.05: γ falls like 1/|x| towards 0.0951207 (independent prototype, 200 bits)."""
+    relaxation = Relaxation(grid={"h": Grid.at([[0.05]])})
+    result = run(compile(library.theorem("mustafa.theorem3"), example(2), relaxation=relaxation))
+    assert not result.solution.attained
+    assert result.solution.trusted
+    assert any("infimum is not attained" in warning for warning in result.solution.warnings)
+    assert 0.0951207 < result.reports["gamma"] == pytest.approx(0.0951207, rel=1e-5)
+    assert np.abs(result.solution.x).max() == pytest.approx(1e6, rel=1e-2)
 
 
 @pytest.mark.parametrize("name", ["theorem3", "robust_performance"])

@@ -13,6 +13,7 @@ from conftest import EXAMPLE_1
 from lmic import library
 from lmic.errors import RecoveryError
 from lmic.pipeline import compile, finish, prepare, run
+from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeAnswer, ConeData, Status
@@ -154,3 +155,9 @@ def test_a_report_that_is_not_real_is_an_error(example_1: Plant) -> None:
     impossible = replace(theorem, reports={"gamma": sp.sqrt(-theorem.minimise)})
     with pytest.raises(RecoveryError, match=r"the report gamma = sqrt\(-delta\) .* not real"):
         run(compile(impossible, example_1, {"eps": 150}))
+
+
+def test_diverging_unknowns_are_not_mistaken_for_an_infimum() -> None:
+    """Example 2 with ρ = 1 has flat directions along which the unknowns grow; its optimum is attained."""
+    plant = read_plant(library.root() / "peixoto2025" / "example2.toml")
+    assert solve(compile(library.theorem("peixoto2025.theorem1"), plant, {"rho": 1, "eps": 2})).attained

@@ -11,6 +11,7 @@ from typing import Any
 
 from lmic.errors import LibraryError
 from lmic.library import root
+from lmic.papers.signals import Uniform
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 from lmic.sampling import Gain
@@ -56,13 +57,14 @@ class Simulation:
     """Closed loops of several cases under one disturbance and one parameter trajectory.
 
     ``size`` is the number of steps, or of places in both directions; ``w``, ``parameters``,
-    ``boundary`` (2-D) and ``delay`` are expressions in the step k or the place (i, j).
+    ``boundary`` (2-D) and ``delay`` are expressions in the step k or the place (i, j); a parameter may
+    be random instead.
     """
 
     cases: tuple[str, ...]
     size: tuple[int, ...]
     w: tuple[str, ...]
-    parameters: Mapping[str, tuple[str, ...]]
+    parameters: Mapping[str, tuple[str, ...] | Uniform]
     boundary: tuple[str, ...]
     delay: Mapping[str, str]
     figures: tuple[Panel, ...]
@@ -169,7 +171,10 @@ def _simulation(entry: Mapping[str, Any], group: str) -> Simulation:
         cases=tuple(f"{group}.{case}" for case in entry["cases"]),
         size=(size,) if isinstance(size, int) else tuple(size),
         w=tuple(entry["w"]),
-        parameters={name: tuple(texts) for name, texts in entry["parameters"].items()},
+        parameters={
+            name: Uniform(*value["uniform"], value.get("seed", 0)) if isinstance(value, dict) else tuple(value)
+            for name, value in entry["parameters"].items()
+        },
         boundary=tuple(entry.get("boundary", ())),
         delay={f"{group}.{case}": text for case, text in entry.get("delay", {}).items()},
         figures=tuple(Panel(f"{group}.{f['id']}", f["title"], tuple(f["show"])) for f in entry.get("figures", [])),

@@ -15,7 +15,7 @@ from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesi
 from lmic.library import theorem
 from lmic.norms import frozen_gain
 from lmic.papers.cases import Case, CaseTable, Simulation
-from lmic.papers.signals import signal
+from lmic.papers.signals import signal, trajectory_of
 from lmic.pipeline import Result, compile, lower_reports, run
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
@@ -56,6 +56,7 @@ class Outcome:
             "violation": solution.violation,
             "relative_violation": solution.relative_violation,
             "status": solution.status.value,
+            "attained": solution.attained,
             "soundness": self.result.problem.soundness.value,
             "verdict": self.verdict.value,
             "frozen_norm": self.frozen_norm,
@@ -116,7 +117,7 @@ def _frozen_norm(case: Case, result: Result) -> float | None:
 def run_simulation(simulation: Simulation, outcomes: Mapping[str, Outcome]) -> dict[str, Trajectory]:
     """The closed loops of the simulation's cases, all driven by the same signals; by case id."""
     w = signal(simulation.w, simulation.size)
-    parameters = {name: signal(texts, simulation.size) for name, texts in simulation.parameters.items()}
+    parameters = {name: trajectory_of(texts, simulation.size) for name, texts in simulation.parameters.items()}
     return {case: _trajectory(simulation, case, outcomes[case].result, w, parameters) for case in simulation.cases}
 
 

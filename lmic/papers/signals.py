@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +14,22 @@ from lmic.plants.expressions import parse
 from lmic.polynomials import atom_values
 
 Array: TypeAlias = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """Independent values, uniform between ``low`` and ``high``, the same for the same ``seed``."""
+
+    low: float
+    high: float
+    seed: int = 0
+
+
+def trajectory_of(texts: Sequence[str] | Uniform, size: Sequence[int]) -> Array:
+    """Values of a parameter over ``size`` steps or places, shape (*size, components)."""
+    if isinstance(texts, Uniform):
+        return np.random.default_rng(texts.seed).uniform(texts.low, texts.high, (*size, 1))
+    return signal(texts, size)
 
 
 def signal(texts: Sequence[str], size: Sequence[int]) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from lmic.assemble import ConicProblem
+from lmic.solve.attainment import with_attainment
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeSolver
 from lmic.solve.exchange import solve_by_exchange
@@ -18,4 +19,4 @@ def solve(problem: ConicProblem, solver: ConeSolver | None = None, passes: int =
     solver = solver or Clarabel()
     if len(problem.orders) >= EXCHANGE_FROM:
         return solve_by_exchange(problem, solver, passes)
-    return solve_whole(problem, solver, passes)
+    return with_attainment(problem, solve_whole(problem, solver, passes), solver, passes)

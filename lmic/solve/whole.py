@@ -67,7 +67,7 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
     if directions.unseen(data.cost):
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, ())
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
-    best, steps = _iterate(reduced, solver, passes)
+    best, steps = passes_of(reduced, solver, passes)
     doubtful = best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6)
     if doubtful:
         feasible = margin(problem, solver, passes)
@@ -75,7 +75,7 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
             return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
         # there is a point after all: begin again in its coordinates
         slack = data.matrix @ feasible.x + data.offset
-        best, more = _iterate(reduced, solver, passes, guide=slack)
+        best, more = passes_of(reduced, solver, passes, guide=slack)
         steps += more
     if best.answer.status is Status.UNBOUNDED and _is_ray(reduced, best.x):
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, steps)
@@ -113,7 +113,7 @@ def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> S
         return candidate.answer.status.usable and -candidate.step.bound <= NO_MARGIN
 
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
-    best, steps = _iterate(reduced, solver, passes, decided)
+    best, steps = passes_of(reduced, solver, passes, decided)
     x = np.zeros(problem.size + 1)
     x[kept] = best.x
     found = judged(problem, best, x[:-1], steps, problem.size + 1 - len(kept), solver)
@@ -167,7 +167,7 @@ def _svec_diagonal(packed: Array, orders: Array) -> Array:
     return packed * np.concatenate([_svec_identity(int(order)) for order in orders])
 
 
-def _iterate(
+def passes_of(
     data: ConeData,
     solver: ConeSolver,
     passes: int,
