@@ -242,9 +242,9 @@ def print_reproduction(
         out.print(shown)
         for outcome in rows:
             for warning in outcome.result.solution.warnings:
-                out.print(f"[bold red]warning[/bold red] {outcome.case.id}: {warning}")
+                out.print(f"[bold red]warning[/bold red] {outcome.case.id}: {warning}", soft_wrap=True)
     if cases.notes:
-        out.print(cases.notes, style="italic")
+        out.print(cases.notes, style="italic", markup=False)
     for path in figures:
         out.print(f"figure: {path}", soft_wrap=True)
 

@@ -165,6 +165,11 @@ def _relaxation(entry: Mapping[str, Any]) -> Relaxation:
     return Relaxation(entry.get("relax", {}), entry.get("polya", 0), grids, entry.get("ties", {}))
 
 
+def _uniform(entry: Mapping[str, Any]) -> Uniform:
+    low, high = entry["uniform"]
+    return Uniform(low, high, entry.get("seed", 0))
+
+
 def _simulation(entry: Mapping[str, Any], group: str) -> Simulation:
     size = entry["size"]
     return Simulation(
@@ -172,7 +177,7 @@ def _simulation(entry: Mapping[str, Any], group: str) -> Simulation:
         size=(size,) if isinstance(size, int) else tuple(size),
         w=tuple(entry["w"]),
         parameters={
-            name: Uniform(*value["uniform"], value.get("seed", 0)) if isinstance(value, dict) else tuple(value)
+            name: _uniform(value) if isinstance(value, dict) else tuple(value)
             for name, value in entry["parameters"].items()
         },
         boundary=tuple(entry.get("boundary", ())),

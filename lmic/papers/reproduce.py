@@ -19,6 +19,7 @@ from lmic.papers.signals import signal, trajectory_of
 from lmic.pipeline import Result, compile, lower_reports, run
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
+from lmic.relax.relax import Relaxation
 from lmic.sampling import cover
 from lmic.simulate.discrete import simulate_discrete
 from lmic.simulate.plane import simulate_plane
@@ -78,7 +79,7 @@ def reproduce(table: CaseTable) -> Iterator[Outcome]:
         trusted = result.solution.trusted
         if trusted:
             bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
-        yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(case, result))
+        yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(relaxation, result))
 
 
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:
@@ -103,13 +104,13 @@ def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]
     return Verdict.REFUTED if below > case.paper + half_unit else Verdict.WORSE
 
 
-def _frozen_norm(case: Case, result: Result) -> float | None:
+def _frozen_norm(relaxation: Relaxation, result: Result) -> float | None:
     """Largest frozen gain where the theorem bounds one: over the case's own points, else the vertices."""
     bounds = [bound for bound in result.theorem.guarantees if bound.norm == "l2 gain"]
     if not bounds or not result.solution.status.usable:
         return None
     points = vertex_points(result.problem.binding.domains)
-    points |= {n: np.array(g.points) for n, g in case.relaxation.grid.items() if isinstance(g, Grid) and g.points}
+    points |= {n: np.array(g.points) for n, g in relaxation.grid.items() if isinstance(g, Grid) and g.points}
     gains = frozen_gain(result.design, bounds[0].system, points)
     return None if gains is None else float(gains.max())
 

@@ -36,7 +36,7 @@ def with_attainment(problem: ConicProblem, found: Solution, solver: ConeSolver, 
     data = ConeData(problem.cost, problem.matrix, problem.offset, problem.orders)
     if not (problem.cost.any() and found.status.usable and found.warnings and scaling.affordable(data)):
         return found
-    values = []
+    values: list[float] = []
     for radius in RADII:
         best, steps = passes_of(_bounded(data, radius), solver, passes)
         reached = np.abs(best.x[data.cost == 0]).max(initial=0.0) >= REACHED * radius

@@ -47,7 +47,8 @@ class Solution:
     ``price`` estimates, from the dual, how much the objective rises when the violation is mended.
     ``violation`` is the most negative eigenvalue over all LMIs (0 if none is negative),
     ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that
-    LMI. ``attained`` is false where the objective falls as long as the unknowns grow. ``dual`` is svec of the dual matrices, row by row as in the problem.
+    LMI. ``attained`` is false where the objective falls as long as the unknowns grow. ``dual`` is svec
+    of the dual matrices, row by row as in the problem.
     """
 
     status: Status
