@@ -150,10 +150,10 @@ def test_the_recovered_filter_meets_its_bound_by_an_independent_norm(name: str) 
     ("matrix", "message"),
     [
         ('{ exponential = "X", time = "h" }', '"X" is no matrix of this plant'),
-        ('{ exponential = "B", time = "h" }', "the exponent B is 2 x 1; make it square"),
+        ('{ exponential = "B", time = "h" }', "'B' is 2 x 1; only a square matrix has an exponential"),
         ('{ exponential = "A" }', "has no time"),
         ('{ exponential = "A", time = "g" }', "g"),
-        ('{ exponential = "A", time = "h", input = "C" }', "C has 1 rows where the exponent has 2"),
+        ('{ exponential = "A", time = "h", input = "C" }', "'C' has 1 rows where the exponent has 2"),
         ('{ exponential = "V", time = "h" }', '"V" is not constant'),
         ('{ exponential = "A", time = "h", power = 2 }', '"power" means nothing here'),
     ],

@@ -105,7 +105,10 @@ def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]
 
 
 def _frozen_norm(relaxation: Relaxation, result: Result) -> float | None:
-    """Largest frozen gain where the theorem bounds one: over the case's own points, else the vertices."""
+    """Largest frozen gain where the theorem bounds one: over the case's own points, else the vertices.
+
+    An energy-to-peak bound has none: with delays, its norm is not the supremum over independent phases.
+    """
     bounds = [bound for bound in result.theorem.guarantees if bound.norm == "l2 gain"]
     if not bounds or not result.solution.status.usable:
         return None
