@@ -190,7 +190,7 @@ class _Reader:
             if len(set(heights + widths)) != 1:
                 raise self.statement.error(f"block row {k + 1} has no size, or more than one", name)
             partition.append((heights + widths)[0])
-        matrix = _joined(blocks, partition, partition)
+        matrix = _nonzero(_joined(blocks, partition, partition))
         if (matrix.coefficients != matrix.coefficients.transpose(0, 2, 1)).any():
             raise self.statement.error("the matrix is not symmetric", name)
         return matrix if lmi.sense > 0 else MatrixPolynomial(matrix.monomials, -matrix.coefficients)
@@ -203,7 +203,9 @@ class _Reader:
 
     def scalar(self, expression: sp.Expr) -> MatrixPolynomial:
         """A scalar expression as a 1 x 1 polynomial; floats stand for the decimals they are written as."""
-        values: dict[sp.Basic, sp.Expr] = {number: sp.Rational(repr(float(number))) for number in expression.atoms(sp.Float)}
+        values: dict[sp.Basic, sp.Expr] = {
+            number: sp.Rational(repr(float(number))) for number in expression.atoms(sp.Float)
+        }
         for symbol in expression.free_symbols:
             if symbol.name in self.unknowns:
                 values[symbol] = self.unknowns[symbol.name].to_sympy()[0, 0]
@@ -221,7 +223,9 @@ class _Reader:
         for atom in value.monomials.atoms:
             foreign = {symbol for symbol in atom.free_symbols - allowed if not is_coordinate(symbol)}
             if foreign:
-                raise self.statement.error(f"{leaf} depends on {min(map(str, foreign))}, which the theorem does not allow")
+                raise self.statement.error(
+                    f"{leaf} depends on {min(map(str, foreign))}, which the theorem does not allow"
+                )
         if leaf.derivative:
             value = _derivative(value, [component for component, _ in components])
         return value.renamed({sp.Symbol(c): instance_symbol(c, instance) for c, instance in components if instance})
@@ -336,6 +340,15 @@ def _kronecker(left: MatrixPolynomial, right: MatrixPolynomial) -> MatrixPolynom
     product = left.coefficients[:, None, :, None, :, None] * right.coefficients[None, :, None, :, None, :]
     rows, cols = left.shape[0] * right.shape[0], left.shape[1] * right.shape[1]
     return MatrixPolynomial(left.monomials.times(right.monomials), product.reshape(-1, rows, cols)).merged()
+
+
+def _nonzero(value: MatrixPolynomial) -> MatrixPolynomial:
+    """Without the monomials that cancel."""
+    used = (value.coefficients != 0).any(axis=(1, 2))
+    used[0] |= not used.any()
+    return MatrixPolynomial(
+        Monomials(value.monomials.atoms, value.monomials.exponents[used]), value.coefficients[used]
+    ).merged()
 
 
 def _joined(
