@@ -115,8 +115,16 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
 @PLANT
 @compiling
 @click.option("--search", metavar="NAME=LOW:HIGH", help="Best value of a scalar, by bisection or a line search.")
+@click.option(
+    "--certify",
+    type=click.Path(path_type=Path),
+    is_flag=False,
+    flag_value=Path("-"),
+    metavar="[FILE]",
+    help="Prove an enclosure of the result, and write the certificate to a file.",
+)
 @JSON
-def solve(name: str, plant: Path, search: str | None, as_json: bool, **choices: Any) -> None:
+def solve(name: str, plant: Path, search: str | None, certify: Path | None, as_json: bool, **choices: Any) -> None:
     """Solve a theorem (by name or path) for a plant and print what it reports and recovers."""
     from lmic import reporting
     from lmic.pipeline import run
@@ -128,13 +136,74 @@ def solve(name: str, plant: Path, search: str | None, as_json: bool, **choices: 
         given = numbers(chosen.given, "--set")
         found = search_scalar(chosen.prepare_files(name, plant), scalar, low, high, given, chosen.relaxation())
     result = found.result if found else run(chosen.compile_files(name, plant))
+    certificate = None
+    if certify:
+        from lmic.certify.certify import certify as prove
+
+        given = numbers(chosen.given, "--set") | ({found.scalar: found.value} if found else {})
+        certificate = prove(result, chosen.relaxation(), given, chosen.dimensions())
+        if certify != Path("-"):
+            certificate.write(certify)
     if as_json:
-        echo_json(reporting.result_record(result) | ({"search": reporting.search_record(found)} if found else {}))
+        record = reporting.result_record(result, certificate)
+        record |= {"search": reporting.search_record(found)} if found else {}
+        record |= {"certificate": str(certify)} if certificate and certify != Path("-") else {}
+        echo_json(record)
     else:
         if found:
             click.echo(f"best {found.scalar} = {found.value:.8g} after {found.solves} solves")
-        reporting.print_result(result)
+        reporting.print_result(result, certificate)
     if not result.solution.trusted:
+        sys.exit(1)
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--theorem", metavar="PATH", help="The theorem file, where the theorem is not one of the library.")
+@JSON
+def verify(file: Path, theorem: str | None, as_json: bool) -> None:
+    """Prove a certificate anew from its theorem and its file alone, without any solver."""
+    from lmic import library, reporting
+    from lmic.certify.certificate import read_certificate
+    from lmic.certify.verify import verify as prove
+
+    certificate = read_certificate(file)
+    verdict = prove(certificate, library.theorem(theorem) if theorem else None)
+    if as_json:
+        echo_json(reporting.verdict_record(certificate, verdict))
+    else:
+        reporting.print_verdict(certificate, verdict)
+    if not verdict.holds:
+        sys.exit(1)
+
+
+@main.command()
+@click.argument("name")
+@PLANT
+@compiling
+@click.option("--below", metavar="VALUE", required=True, help="The value that the theorem is said to reach.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the certificate to a file.")
+@JSON
+def refute(name: str, plant: Path, below: str, output: Path | None, as_json: bool, **choices: Any) -> None:
+    """Prove that no solution of a theorem reports so small a value; ends with 1 where that is not proven."""
+    from lmic.certify.certify import refutation
+    from lmic.pipeline import run
+
+    chosen = Choices(**choices)
+    value = numbers([f"value={below}"], "--below")["value"]
+    result = run(chosen.compile_files(name, plant))
+    certificate, report, lower = refutation(
+        result, chosen.relaxation(), numbers(chosen.given, "--set"), chosen.dimensions()
+    )
+    if output:
+        certificate.write(output)
+    refuted = lower > value
+    if as_json:
+        echo_json({"report": report, "below": float(value), "lower": float(lower), "refuted": refuted})
+    else:
+        verdict = "so it cannot be reached" if refuted else "which does not refute it"
+        click.echo(f"{report} = {below}: {report} is at least {float(lower):.12g} (proven), {verdict}")
+    if not refuted:
         sys.exit(1)
 
 
@@ -169,20 +238,27 @@ def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) 
     show_default=True,
     help="Folder for the figures.",
 )
+@click.option(
+    "--certify",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Prove an enclosure of every number, and write the certificates to a folder.",
+)
 @JSON
-def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
+def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_json: bool) -> None:
     """Regenerate the papers' tables and figures (all, or by the beginning of their ids)."""
     from lmic import reporting, terminal
     from lmic.papers.cases import select
     from lmic.papers.figures import draw
+    from lmic.papers.reproduce import certified, run_simulation
     from lmic.papers.reproduce import reproduce as run_table
-    from lmic.papers.reproduce import run_simulation
 
     tables = select(names)
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LmicError(f"the folder {output} cannot be written: {error.strerror}; choose another with -o") from error
+    for folder in filter(None, (output, certify)):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise LmicError(f"the folder {folder} cannot be written: {error.strerror}; choose another") from error
     records = []
     trusted = True
     for table in tables:
@@ -190,6 +266,8 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
         with terminal.progress(len(table.cases), table.paper, quiet=as_json) as advance:
             for outcome in run_table(table):
                 outcomes[outcome.case.id] = outcome
+                if certify:
+                    certified(outcome).write(certify / f"{outcome.case.id}.json")
                 advance(outcome.case.what)
         simulated = [run_simulation(simulation, outcomes) for simulation in table.simulations]
         figures = [

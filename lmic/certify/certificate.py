@@ -13,7 +13,6 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
@@ -290,6 +289,7 @@ def _axis(entry: Any) -> Coefficient:
     if not fits or len(set(symbols)) < len(symbols) or sum(powers) > MAX_POWER:
         raise CertificateError("an axis has corners, powers and symbols that do not fit together")
     return Coefficient(symbols, corners, powers)
+
 
 def _function(entry: Any, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
     try:

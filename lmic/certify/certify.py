@@ -24,6 +24,7 @@ from lmic.certify.certificate import Certificate, Lower, Unknown, Upper
 from lmic.certify.finite import Functional, finite_problem
 from lmic.certify.interior import inner_dual, inner_point
 from lmic.certify.lower import exact_dual, lower_bound
+from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import BUDGET, point, proven
@@ -56,14 +57,36 @@ def certify(
 
     Where a proof fails the bound is missing and ``notes`` say why.
     """
-    problem, theorem = result.problem, result.theorem
     relaxation = relaxation or Relaxation()
-    plant = problem.binding.plant
-    blank = Certificate(
-        theorem=theorem.name,
+    found = blank(result, relaxation, given, sizes)
+    if not result.solution.status.usable:
+        return replace(found, notes=(f"the solver's answer is '{result.solution.status}', of which nothing is proven",))
+    notes = []
+    try:
+        found = with_upper(found, result, relaxation, budget)
+    except LmicError as error:
+        notes.append(f"no upper bound is proven: {error}")
+    if result.theorem.minimise is not None:
+        try:
+            found = with_lower(found, result, relaxation)
+        except LmicError as error:
+            notes.append(f"no lower bound is proven: {error}")
+    return replace(found, notes=tuple(notes))
+
+
+def blank(
+    result: Result,
+    relaxation: Relaxation,
+    given: Mapping[str, Any] | None = None,
+    sizes: Mapping[str, int] | None = None,
+) -> Certificate:
+    """The certificate of a result before anything is proven."""
+    problem, plant = result.problem, result.problem.binding.plant
+    return Certificate(
+        theorem=result.theorem.name,
         plant=plant,
         library_plant=library_plant(plant),
-        scalars=exact_scalars(plant, theorem, given or {}),
+        scalars=exact_scalars(plant, result.theorem, given or {}),
         dimensions=dict(sizes or {}),
         ties=dict(relaxation.ties),
         unknowns=_unknowns(problem, None),
@@ -72,19 +95,6 @@ def certify(
         notes=(),
         versions={"lmic": __version__, "python-flint": version("python-flint")},
     )
-    if not result.solution.status.usable:
-        return replace(blank, notes=(f"the solver's answer is '{result.solution.status}', of which nothing is proven",))
-    notes = []
-    try:
-        blank = _with_upper(blank, result, relaxation, budget)
-    except LmicError as error:
-        notes.append(f"no upper bound is proven: {error}")
-    try:
-        if theorem.minimise is not None:
-            blank = _with_lower(blank, result, relaxation)
-    except LmicError as error:
-        notes.append(f"no lower bound is proven: {error}")
-    return replace(blank, notes=tuple(notes))
 
 
 def exact_scalars(plant: Plant, theorem: Theorem, given: Mapping[str, Any]) -> dict[str, Fraction]:
@@ -120,11 +130,13 @@ def _statement(certificate: Certificate, theorem: Theorem) -> Statement:
 # Upper bounds ---------------------------------------------------------------------------------------
 
 
-def _with_upper(certificate: Certificate, result: Result, relaxation: Relaxation, budget: int) -> Certificate:
-    """With the first point that is proven on the whole domain, else the first one proven at the grid's points."""
+def with_upper(certificate: Certificate, result: Result, relaxation: Relaxation, budget: int) -> Certificate:
+    """With the nearest point that is proven on the whole domain, or that fails there and is proven at the grid.
+
+    Raises CertificateError where no point is proven.
+    """
     problem, theorem = result.problem, result.theorem
     reason = CertificateError("no strictly feasible point was found near the solution")
-    at_points: Certificate | None = None
     for x in _points(result):
         if relative_eigenvalues(problem, x).min() <= 0:
             continue
@@ -136,11 +148,11 @@ def _with_upper(certificate: Certificate, result: Result, relaxation: Relaxation
             reason = error
         else:
             return found
-        if problem.soundness is Soundness.SAMPLED and at_points is None:
+        if problem.soundness is Soundness.SAMPLED:
             at_points = _at_points(found, problem, theorem, relaxation)
-    if at_points is None:
-        raise reason
-    return at_points
+            if at_points is not None:
+                return at_points
+    raise reason
 
 
 def _at_points(
@@ -148,7 +160,8 @@ def _at_points(
 ) -> Certificate | None:
     """The same point, proven where the finite LMIs are values at points; None where that fails."""
     assert certificate.upper is not None
-    points = [_as_point(functional) for functional in functionals(problem, relaxation)[0]]
+    domain = region(_statement(certificate, theorem), relaxation.ties)
+    points = [_as_point(functional) for functional in functionals(problem, relaxation, domain)]
     found = replace(certificate, upper=replace(certificate.upper, functionals=tuple(p for p in points if p)))
     try:
         proven(found, theorem)
@@ -195,15 +208,19 @@ def _upper_reports(certificate: Certificate, theorem: Theorem) -> dict[str, Frac
 # Lower bounds ---------------------------------------------------------------------------------------
 
 
-def _with_lower(certificate: Certificate, result: Result, relaxation: Relaxation) -> Certificate:
-    """With the first exact dual: of all LMIs, or of those alone that carry the solver's dual."""
+def with_lower(certificate: Certificate, result: Result, relaxation: Relaxation) -> Certificate:
+    """With an exact dual: of all LMIs, or of those alone that carry the solver's dual.
+
+    Raises CertificateError where none is positive definite.
+    """
     reason = CertificateError("the solver gave no dual")
     theorem, statement = result.theorem, _statement(certificate, result.theorem)
-    every, equal = functionals(result.problem, relaxation)
+    domain = region(statement, relaxation.ties)
+    every = functionals(result.problem, relaxation, domain)
     for problem, solution, chosen in _parts(result):
         mine = [every[k] for k in chosen]
         functions = {name: unknown.functions for name, unknown in certificate.unknowns.items()}
-        exact = finite_problem(statement, functions, equal, mine)
+        exact = finite_problem(statement, functions, domain.equal, mine)
         for share in SHARES:
             try:
                 dual = exact_dual(exact, inner_dual(problem, solution, share), problem.matrix)
@@ -229,3 +246,26 @@ def _parts(result: Result) -> Iterator[tuple[ConicProblem, Solution, Array]]:
     for chosen in (everything, binding) if len(everything) <= FEW else (binding,):
         rows = np.concatenate([np.arange(problem.starts[k], problem.starts[k + 1]) for k in chosen])
         yield problem.restricted(chosen), replace(solution, dual=solution.dual[rows]), chosen
+
+
+def refutation(
+    result: Result,
+    relaxation: Relaxation,
+    given: Mapping[str, Any] | None = None,
+    sizes: Mapping[str, int] | None = None,
+) -> tuple[Certificate, str, Fraction]:
+    """A certificate of the lower bound alone, the report that it bounds, and the bound.
+
+    Raises CertificateError where no bound is proven.
+    """
+    if not result.solution.status.usable:
+        raise CertificateError(
+            f"the solver's answer is '{result.solution.status}', from which no bound is proven; "
+            f"{result.solution.status.advice}"
+        )
+    found = with_lower(blank(result, relaxation, given, sizes), result, relaxation)
+    assert found.lower is not None
+    if not found.lower.reports:
+        raise CertificateError("the theorem reports neither what it minimises nor its root, so no report is bounded")
+    report, lower = next(iter(found.lower.reports.items()))
+    return found, report, lower

@@ -23,13 +23,15 @@ from lmic.polynomials import MatrixPolynomial
 Array: TypeAlias = NDArray[Any]
 
 #: m, m/n, a decimal, or m·2^k written mpk
-_NUMBER = re.compile(r"(?P<head>-?\d{1,600})(?:/(?P<below>\d{1,600})|p(?P<power>-?\d{1,4})|\.(?P<after>\d{1,60}))?", re.A)
+_NUMBER = re.compile(
+    r"(?P<head>-?\d{1,600})(?:/(?P<below>\d{1,600})|p(?P<power>-?\d{1,4})|\.(?P<after>\d{1,60}))?", re.A
+)
 
 
 class _Printer(StrPrinter):
     """Expressions as the plant language spells them."""
 
-    def _print_Abs(self, expression: sp.Expr) -> str:  # noqa: N802 - sympy's naming
+    def _print_Abs(self, expression: sp.Expr) -> str:
         return f"abs({self._print(expression.args[0])})"
 
 
@@ -66,19 +68,19 @@ def decimal_below(value: Fraction, digits: int = 15) -> Fraction:
 
 def root_above(value: Fraction, digits: int = 15) -> Fraction:
     """A decimal with about ``digits`` significant digits that is not below the root of the value."""
-    unit = _unit(value, digits) if value >= 1 else Fraction(10) ** -digits
+    unit = _unit(value, digits, 2)
     return (isqrt(floor(value / unit**2)) + 1) * unit
 
 
 def root_below(value: Fraction, digits: int = 15) -> Fraction:
     """A decimal with about ``digits`` significant digits that is not above the root of the value."""
-    unit = _unit(value, digits) if value >= 1 else Fraction(10) ** -digits
+    unit = _unit(value, digits, 2)
     return isqrt(floor(value / unit**2)) * unit
 
 
-def _unit(value: Fraction, digits: int) -> Fraction:
-    """One in the last of the significant digits."""
-    size = floor(log10(abs(value))) if value else 0
+def _unit(value: Fraction, digits: int, root: int = 1) -> Fraction:
+    """One in the last of the significant digits of the value's root."""
+    size = floor(log10(abs(value)) / root) if value else 0
     return Fraction(10) ** (size - digits + 1)
 
 

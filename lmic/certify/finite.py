@@ -150,7 +150,9 @@ def finite_problem(
     for name, basis in functions.items():
         unknowns[name] = statement.symbolic(name, basis, first)
         first += (int(statement.coordinates(name).max()) + 1) * len(basis)
-    matrices = {f.lmi: statement.matrix(f.lmi, unknowns).renamed(equal) for f in functionals}
+    matrices = {
+        lmi: statement.matrix(lmi, unknowns).renamed(equal) for lmi in dict.fromkeys(f.lmi for f in functionals)
+    }
     sparse = {lmi: _sparse(matrix) for lmi, matrix in matrices.items()}
     lmis = tuple(_applied(f, matrices[f.lmi], sparse[f.lmi]) for f in functionals)
     if statement.theorem.minimise is None:

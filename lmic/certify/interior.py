@@ -37,32 +37,37 @@ class InnerDual:
 
 def inner_point(problem: ConicProblem, solution: Solution, share: float, solver: ConeSolver | None = None) -> Array:
     """A strictly feasible x whose objective is about ``share`` of it above the optimum."""
-    data, transform, kept, identity = _scaled(problem, solution)
+    data, transform, kept, identity = _centred(problem, solution)
     packed = scaling.scaled_dual(solution.dual, transform, problem.orders)
     margin = share * _objective(problem, solution) / _trace(packed, identity)
     answer = (solver or Clarabel())(replace(data, offset=data.offset - margin * identity))
-    x = np.zeros(problem.size)
-    x[kept] = transform.x(answer.y)
+    x = solution.x.copy()
+    x[kept] += transform.x(answer.y)
     return x
 
 
 def inner_dual(problem: ConicProblem, solution: Solution, share: float, solver: ConeSolver | None = None) -> InnerDual:
     """Positive definite dual matrices whose bound is about ``share`` of the objective below the optimum."""
-    data, transform, kept, identity = _scaled(problem, solution)
-    packed = scaling.scaled_slack(problem.matrix @ solution.x + problem.offset, transform, problem.orders)
-    margin = share * _objective(problem, solution) / _trace(packed, identity)
+    data, transform, kept, identity = _centred(problem, solution)
+    margin = share * _objective(problem, solution) / _trace(data.offset, identity)
     answer = (solver or Clarabel())(replace(data, cost=data.cost - margin * (data.matrix.T @ identity)))
     return InnerDual(slack_matrices(answer.z + margin * identity, problem.orders), data, transform, kept)
 
 
-def _scaled(problem: ConicProblem, solution: Solution) -> tuple[ConeData, Scaling, Array, Array]:
-    """The problem without lineality in the solution's coordinates, and svec of all identities."""
+def _centred(problem: ConicProblem, solution: Solution) -> tuple[ConeData, Scaling, Array, Array]:
+    """The problem without lineality in the solution's coordinates, with the solution as their origin.
+
+    Its offset then is the solution's slack: a step from there is small, and so is its rounding. The
+    last are the unknowns kept and svec of all identities.
+    """
     whole = ConeData(problem.cost, problem.matrix, problem.offset, problem.orders)
     kept = lineality(whole.matrix).kept
     data = replace(whole, cost=whole.cost[kept], matrix=whole.matrix[:, kept])
     slack = whole.matrix @ solution.x + whole.offset
+    scaled, transform = scaling.rescaled(data, slack, solution.x[kept])
     identity = np.concatenate([svec_identity(int(order)) for order in problem.orders])
-    return (*scaling.rescaled(data, slack, solution.x[kept]), kept, identity)
+    centred = replace(scaled, offset=scaling.scaled_slack(slack, transform, problem.orders))
+    return centred, transform, kept, identity
 
 
 def _objective(problem: ConicProblem, solution: Solution) -> float:

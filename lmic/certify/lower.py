@@ -74,6 +74,11 @@ def completed(problem: FiniteProblem, dual: Dual) -> list[Array]:
     for matrix, lmi in zip(matrices, problem.lmis, strict=True):
         if matrix.shape != (lmi.order, lmi.order) or (matrix != matrix.T).any():
             raise CertificateError(f"a dual matrix is not symmetric of order {lmi.order}")
+    for pivot in dual.pivots:
+        if not (pivot.column < problem.size and pivot.lmi < len(matrices)):
+            raise CertificateError("a pivot of the dual names an unknown or a matrix that does not exist")
+        if not max(pivot.row, pivot.col) < len(matrices[pivot.lmi]):
+            raise CertificateError("a pivot of the dual names an entry that does not exist")
     columns = [pivot.column for pivot in dual.pivots]
     miss = (problem.cost - _products(problem, matrices)[1:])[columns]
     place = {column: k for k, column in enumerate(columns)}
@@ -99,7 +104,10 @@ def exact_dual(problem: FiniteProblem, inside: InnerDual, matrix: sps.csc_array)
     """Dual matrices of dyadic fractions near those of ``inside``, and pivots that make them exact.
 
     ``matrix`` holds the columns of all unknowns in svec coordinates, as the compiler made them.
+    Raises where those of ``inside`` are not positive definite.
     """
+    if not all(np.isfinite(one).all() for one in inside.matrices):
+        raise CertificateError("the solver gave no dual matrices")
     congruence = [to_flint(fractions(transform)) for transform in inside.scaling.congruence]
     scaled = [fractions(one) for one in inside.matrices]
     gram = scipy.linalg.cho_factor((inside.data.matrix.T @ inside.data.matrix).toarray())
@@ -119,6 +127,8 @@ def exact_dual(problem: FiniteProblem, inside: InnerDual, matrix: sps.csc_array)
             for one, part, order in zip(scaled, parts, orders.tolist(), strict=True)
         ]
         matrices = _unscaled(congruence, scaled)
+    if not all(np.linalg.eigvalsh(one.astype(float))[0] > 0 for one in scaled):
+        raise CertificateError("no positive definite dual matrices were found near the solver's")
     return Dual(tuple(map(_rounded, matrices)), _pivots(matrices, matrix[:, inside.kept], inside.kept))
 
 

@@ -186,7 +186,7 @@ class _Reader:
         partition = []
         for k in range(size):
             heights = [block.shape[0] for block in blocks[k] if block is not None]
-            widths = [row[k].shape[1] for row in blocks if row[k] is not None]
+            widths = [block.shape[1] for row in blocks if (block := row[k]) is not None]
             if len(set(heights + widths)) != 1:
                 raise self.statement.error(f"block row {k + 1} has no size, or more than one", name)
             partition.append((heights + widths)[0])

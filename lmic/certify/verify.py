@@ -19,11 +19,11 @@ import sympy as sp
 from lmic import library
 from lmic.certify import document
 from lmic.certify.certificate import Certificate, Lower, Standing, Upper
-from lmic.certify.cover import prove_positive
 from lmic.certify.definite import is_positive_definite
+from lmic.certify.domain import ProofDomain, Proven, Undecided, Witness, prove_positive
 from lmic.certify.finite import Functional, finite_problem
 from lmic.certify.lower import lower_bound
-from lmic.certify.region import Region, inside, regions
+from lmic.certify.region import inside, region
 from lmic.certify.statement import Statement, to_flint
 from lmic.errors import CertificateError, LmicError
 from lmic.language.theorem import Theorem
@@ -64,15 +64,15 @@ def proven(certificate: Certificate, theorem: Theorem, budget: int = BUDGET) -> 
         raise CertificateError("it states nothing that could be proven")
     _check_data(certificate, theorem)
     statement = Statement(theorem, certificate.plant, certificate.scalars, certificate.dimensions)
-    where, equal = regions(statement, certificate.ties)
-    cells = _prove_upper(certificate, certificate.upper, statement, where, equal, budget) if certificate.upper else 0
+    domain = region(statement, certificate.ties)
+    cells = _prove_upper(certificate, certificate.upper, statement, domain, budget) if certificate.upper else 0
     about_theorem = False
     if certificate.lower:
-        _prove_lower(certificate, certificate.lower, statement, equal)
+        _prove_lower(certificate, certificate.lower, statement, domain)
         about_theorem = all(
             axis.point is not None for functional in certificate.lower.functionals for axis in functional.axes
         )
-        if not all(inside(functional, where) for functional in certificate.lower.functionals):
+        if not all(inside(functional, domain) for functional in certificate.lower.functionals):
             raise CertificateError("a dual matrix belongs to a point outside the domain")
     return cells, about_theorem
 
@@ -114,8 +114,7 @@ def _prove_upper(
     certificate: Certificate,
     upper: Upper,
     statement: Statement,
-    where: Sequence[Region],
-    equal: Mapping[sp.Symbol, sp.Symbol],
+    domain: ProofDomain,
     budget: int,
 ) -> int:
     unknowns = point(certificate, statement)
@@ -124,22 +123,31 @@ def _prove_upper(
             raise CertificateError(f"the theorem reports no {name}")
         if not at_least(claimed, statement.theorem.reports[name], statement, unknowns):
             raise CertificateError(f"{name} at the point is larger than {document.decimal(claimed)}")
-    matrices = {lmi: statement.matrix(lmi, unknowns).renamed(equal).merged() for lmi in statement.theorem.lmis}
+    matrices = {lmi: statement.matrix(lmi, unknowns).renamed(domain.equal).merged() for lmi in statement.theorem.lmis}
     if upper.functionals:
-        _prove_at(upper.functionals, matrices, where)
+        _prove_at(upper.functionals, matrices, domain)
         return len(upper.functionals)
     cells = 0
     for lmi, matrix in matrices.items():
-        proof = prove_positive(matrix, where, budget - cells)
-        cells += proof.cells
-        if not proof.holds:
-            raise statement.error(proof.reason, lmi)
+        match prove_positive(matrix, domain, budget - cells):
+            case Proven(cells=used):
+                cells += used
+            case Witness(point=where):
+                raise statement.error(f"the LMI does not hold at {_place(where)}", lmi)
+            case Undecided(point=where):
+                raise statement.error(
+                    f"{budget} cells of the domain do not suffice for a proof, the worst being at {_place(where)}; "
+                    "allow more, or a larger margin",
+                    lmi,
+                )
     return cells
 
 
-def _prove_at(
-    functionals: Sequence[Functional], matrices: Mapping[str, MatrixPolynomial], where: Sequence[Region]
-) -> None:
+def _place(where: Mapping[sp.Symbol, Fraction]) -> str:
+    return ", ".join(f"{symbol} = {float(value):.4g}" for symbol, value in where.items())
+
+
+def _prove_at(functionals: Sequence[Functional], matrices: Mapping[str, MatrixPolynomial], domain: ProofDomain) -> None:
     """Positive definiteness at listed points of the domain."""
     missing = set(matrices) - {functional.lmi for functional in functionals}
     if missing:
@@ -147,7 +155,7 @@ def _prove_at(
     for functional in functionals:
         if functional.lmi not in matrices or any(len(axis.corners) != 1 for axis in functional.axes):
             raise CertificateError("a grid point is no point of one of the theorem's LMIs")
-        if not inside(functional, where):
+        if not inside(functional, domain):
             raise CertificateError(f"a grid point of the LMI '{functional.lmi}' lies outside the domain")
         matrix = matrices[functional.lmi]
         value = sum(w * c for w, c in zip(functional.weights(matrix), matrix.coefficients, strict=True))
@@ -170,13 +178,11 @@ def at_least(
 # Lower bounds ---------------------------------------------------------------------------------------
 
 
-def _prove_lower(
-    certificate: Certificate, lower: Lower, statement: Statement, equal: Mapping[sp.Symbol, sp.Symbol]
-) -> None:
+def _prove_lower(certificate: Certificate, lower: Lower, statement: Statement, domain: ProofDomain) -> None:
     if any(functional.lmi not in statement.theorem.lmis for functional in lower.functionals):
         raise CertificateError("a dual matrix belongs to no LMI of the theorem")
     functions = {name: unknown.functions for name, unknown in certificate.unknowns.items()}
-    problem = finite_problem(statement, functions, equal, lower.functionals)
+    problem = finite_problem(statement, functions, domain.equal, lower.functionals)
     if lower.infeasible:
         problem = replace(problem, cost=np.full(problem.size, Fraction(0), dtype=object), constant=Fraction(0))
         if lower.reports or not lower_bound(problem, lower.dual) > 0:
