@@ -7,7 +7,7 @@ is tried in turn, the least first.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from importlib.metadata import version
@@ -27,8 +27,8 @@ from lmic.certify.lower import exact_dual, lower_bound
 from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
-from lmic.certify.verify import BUDGET, point, proven
-from lmic.errors import CertificateError, LmicError
+from lmic.certify.verify import BUDGET, FailsAt, point, proven
+from lmic.errors import CertificateError, LmicError, Place
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result
 from lmic.plants.files import read_plant
@@ -135,24 +135,43 @@ def with_upper(certificate: Certificate, result: Result, relaxation: Relaxation,
 
     Raises CertificateError where no point is proven.
     """
-    problem, theorem = result.problem, result.theorem
     reason = CertificateError("no strictly feasible point was found near the solution")
-    for x in _points(result):
-        if relative_eigenvalues(problem, x).min() <= 0:
-            continue
-        found = replace(certificate, unknowns=_unknowns(problem, x))
-        found = replace(found, upper=Upper(_upper_reports(found, theorem), ()))
+    for x in _points(result, SHARES):
+        found = at_point(certificate, result, x)
         try:
-            proven(found, theorem, budget)
+            proven(found, result.theorem, budget)
         except CertificateError as error:
             reason = error
         else:
             return found
-        if problem.soundness is Soundness.SAMPLED:
-            at_points = _at_points(found, problem, theorem, relaxation)
+        if result.problem.soundness is Soundness.SAMPLED:
+            at_points = _at_points(found, result.problem, result.theorem, relaxation)
             if at_points is not None:
                 return at_points
     raise reason
+
+
+def proven_or_point(
+    certificate: Certificate, result: Result, share: float, budget: int
+) -> Certificate | Mapping[sp.Symbol, Fraction]:
+    """The certificate for the whole domain, with ``share`` of the objective given away, or where its proof fails.
+
+    Raises CertificateError where not even the finite LMIs hold.
+    """
+    for x in _points(result, (share,)):
+        found = at_point(certificate, result, x)
+        try:
+            proven(found, result.theorem, budget)
+        except FailsAt as failure:
+            return failure.point
+        return found
+    raise CertificateError("no strictly feasible point was found near the solution", Place(result.theorem.name))
+
+
+def at_point(certificate: Certificate, result: Result, x: Array) -> Certificate:
+    """The certificate with the unknowns at x, and their reports, on the whole domain; nothing is proven yet."""
+    found = replace(certificate, unknowns=_unknowns(result.problem, x))
+    return replace(found, upper=Upper(_upper_reports(found, result.theorem), ()))
 
 
 def _at_points(
@@ -181,14 +200,14 @@ def _as_point(functional: Functional) -> Functional | None:
     return replace(functional, axes=tuple(axes)) if len(axes) == len(points) else None
 
 
-def _points(result: Result) -> Iterator[Array]:
-    """Strictly feasible points, the nearest to the optimum first."""
+def _points(result: Result, shares: Sequence[float]) -> Iterator[Array]:
+    """Points at which the finite LMIs hold strictly in floating point, the nearest to the optimum first."""
     if result.theorem.minimise is None:
         yield result.solution.x
         return
-    for share in SHARES:
+    for share in shares:
         x = inner_point(result.problem, result.solution, share)
-        if np.isfinite(x).all():
+        if np.isfinite(x).all() and relative_eigenvalues(result.problem, x).min() > 0:
             yield x
 
 

@@ -20,12 +20,12 @@ from lmic import library
 from lmic.certify import document
 from lmic.certify.certificate import Certificate, Lower, Standing, Upper
 from lmic.certify.definite import is_positive_definite
-from lmic.certify.domain import ProofDomain, Proven, Undecided, Witness, prove_positive
+from lmic.certify.domain import ProofDomain, Proven, Witness, prove_positive
 from lmic.certify.finite import Functional, finite_problem
 from lmic.certify.lower import lower_bound
 from lmic.certify.region import inside, region
 from lmic.certify.statement import Statement, to_flint
-from lmic.errors import CertificateError, LmicError
+from lmic.errors import CertificateError, LmicError, Place
 from lmic.language.theorem import Theorem
 from lmic.plants.files import read_plant
 from lmic.polynomials import MatrixPolynomial
@@ -47,6 +47,14 @@ class Verdict:
     standing: Standing
     cells: int = 0
     about_theorem: bool = False
+
+
+class FailsAt(CertificateError):
+    """An LMI that is not proven on the whole domain; ``point`` is where it fails, or where a proof is hardest."""
+
+    def __init__(self, message: str, place: Place, point: Mapping[sp.Symbol, Fraction]) -> None:
+        super().__init__(message, place)
+        self.point = point
 
 
 def verify(certificate: Certificate, theorem: Theorem | None = None) -> Verdict:
@@ -129,22 +137,18 @@ def _prove_upper(
         return len(upper.functionals)
     cells = 0
     for lmi, matrix in matrices.items():
-        match prove_positive(matrix, domain, budget - cells):
-            case Proven(cells=used):
-                cells += used
-            case Witness(point=where):
-                raise statement.error(f"the LMI does not hold at {_place(where)}", lmi)
-            case Undecided(point=where):
-                raise statement.error(
-                    f"{budget} cells of the domain do not suffice for a proof, the worst being at {_place(where)}; "
-                    "allow more, or a larger margin",
-                    lmi,
-                )
+        proof = prove_positive(matrix, domain, budget - cells)
+        cells += proof.cells
+        if isinstance(proof, Proven):
+            continue
+        where = ", ".join(f"{symbol} = {float(value):.4g}" for symbol, value in proof.point.items())
+        what = (
+            f"the LMI does not hold at {where}; refine the grid there"
+            if isinstance(proof, Witness)
+            else f"{budget} cells of the domain do not suffice for a proof, the worst being at {where}; allow more"
+        )
+        raise FailsAt(what, Place(statement.theorem.name, lmi), proof.point)
     return cells
-
-
-def _place(where: Mapping[sp.Symbol, Fraction]) -> str:
-    return ", ".join(f"{symbol} = {float(value):.4g}" for symbol, value in where.items())
 
 
 def _prove_at(functionals: Sequence[Functional], matrices: Mapping[str, MatrixPolynomial], domain: ProofDomain) -> None:
