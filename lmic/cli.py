@@ -123,35 +123,63 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
     metavar="[FILE]",
     help="Prove an enclosure of the result, and write the certificate to a file.",
 )
+@click.option(
+    "--refine",
+    type=click.IntRange(min=1),
+    metavar="ROUNDS",
+    help="With --certify: points where the proof on the whole domain fails join the grid, for so many rounds.",
+)
 @JSON
-def solve(name: str, plant: Path, search: str | None, certify: Path | None, as_json: bool, **choices: Any) -> None:
+def solve(
+    name: str,
+    plant: Path,
+    search: str | None,
+    certify: Path | None,
+    refine: int | None,
+    as_json: bool,
+    **choices: Any,
+) -> None:
     """Solve a theorem (by name or path) for a plant and print what it reports and recovers."""
     from lmic import reporting
     from lmic.pipeline import run
     from lmic.search import search_scalar
 
-    chosen, found = Choices(**choices), None
+    chosen, found, refined, certificate = Choices(**choices), None, None, None
+    if refine and (search or not certify):
+        raise LmicError("--refine goes with --certify and without --search; add or remove one")
+    given = numbers(chosen.given, "--set")
     if search:
         scalar, low, high = interval(search, "--search")
-        given = numbers(chosen.given, "--set")
         found = search_scalar(chosen.prepare_files(name, plant), scalar, low, high, given, chosen.relaxation())
-    result = found.result if found else run(chosen.compile_files(name, plant))
-    certificate = None
-    if certify:
-        from lmic.certify.certify import certify as prove
+        given[scalar] = found.value
+    if refine:
+        from lmic.certify.refine import certify_domain
 
-        given = numbers(chosen.given, "--set") | ({found.scalar: found.value} if found else {})
-        certificate = prove(result, chosen.relaxation(), given, chosen.dimensions())
-        if certify != Path("-"):
-            certificate.write(certify)
+        binding = chosen.prepare_files(name, plant)
+        refined = certify_domain(binding, chosen.relaxation(), given, chosen.dimensions(), rounds=refine)
+        certificate, result = refined.certificate, refined.result
+    else:
+        result = found.result if found else run(chosen.compile_files(name, plant))
+        if certify:
+            from lmic.certify.certify import certify as prove
+
+            certificate = prove(result, chosen.relaxation(), given, chosen.dimensions())
+    if certificate and certify and certify != Path("-"):
+        certificate.write(certify)
     if as_json:
         record = reporting.result_record(result, certificate)
         record |= {"search": reporting.search_record(found)} if found else {}
+        record |= {"minimised_on_each_grid": list(refined.values)} if refined else {}
         record |= {"certificate": str(certify)} if certificate and certify != Path("-") else {}
         echo_json(record)
     else:
         if found:
             click.echo(f"best {found.scalar} = {found.value:.8g} after {found.solves} solves")
+        if refined:
+            values = ", ".join(f"{value:.8g}" for value in refined.values)
+            click.echo(
+                f"minimised on {len(refined.values)} grids, each with the point where the last one failed: {values}"
+            )
         reporting.print_result(result, certificate)
     if not result.solution.trusted:
         sys.exit(1)

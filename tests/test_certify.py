@@ -30,14 +30,16 @@ from lmic.certify.certificate import (
 )
 from lmic.certify.certify import certify, refutation
 from lmic.certify.finite import Coefficient, finite_problem
+from lmic.certify.refine import certify_domain
 from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import verify
 from lmic.cli import main
+from lmic.domains import BoxDomain
 from lmic.errors import CertificateError
 from lmic.language.parameters import instance_symbol
-from lmic.pipeline import compile, run
+from lmic.pipeline import compile, prepare, run
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
 from lmic.polynomials import MatrixPolynomial
@@ -112,6 +114,38 @@ def test_a_lower_bound_is_never_above_what_is_reached(table_1: Certificate) -> N
     assert table_1.upper
     smaller = {name: value * (1 - Fraction(1, 10**7)) for name, value in table_1.upper.reports.items()}
     assert not verify(replace(table_1, upper=replace(table_1.upper, reports=smaller))).holds
+
+
+@pytest.fixture
+def bent() -> Plant:
+    """x⁺ = w, z = (1 + ρ − ρ²)x with ρ in [0, 1]: the gain is 5/4, at ρ = 1/2, and 1 at both ends."""
+    rho = sp.Symbol("rho1")
+    matrices = {"A": [[0]], "B": [[1]], "C": [[1 + rho - rho**2]], "D": [[0]]}
+    domain = BoxDomain(("rho1",), (Fraction(0),), (Fraction(1),))
+    return Plant({k: MatrixPolynomial.from_sympy(sp.Matrix(m)) for k, m in matrices.items()}, {"rho": domain})
+
+
+def test_a_grid_is_refined_until_the_whole_domain_is_proven(bent: Plant) -> None:
+    binding = prepare(library.theorem("standard.bounded_real_discrete"), bent)
+    found = certify_domain(binding, Relaxation(grid={"rho": 2}))
+    assert found.values[0] == pytest.approx(1, rel=1e-6)
+    assert found.certificate.standing is Standing.CERTIFIED
+    assert found.certificate.upper
+    upper = found.certificate.upper.reports["gamma"]
+    assert Fraction(5, 4) <= upper <= Fraction(5, 4) * (1 + Fraction(1, 1000))
+    assert verify(found.certificate).holds
+
+
+def test_a_grid_alone_is_certified_on_the_grid(bent: Plant) -> None:
+    """γ = 1 holds at both ends and not between them: it is never called certified on the domain."""
+    relaxation = Relaxation(grid={"rho": 2})
+    problem = compile(library.theorem("standard.bounded_real_discrete"), bent, relaxation=relaxation)
+    found = certify(run(problem), relaxation)
+    assert found.standing is Standing.GRID
+    assert verify(found).holds
+    assert found.upper
+    widened = replace(found, upper=replace(found.upper, functionals=()))
+    assert "does not hold at" in verify(widened).reason
 
 
 # The statement ---------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ from lmic.certify.lower import exact_dual, lower_bound
 from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
-from lmic.certify.verify import BUDGET, FailsAt, point, proven
+from lmic.certify.verify import BUDGET, UnprovenError, point, proven
 from lmic.errors import CertificateError, LmicError, Place
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result
@@ -162,7 +162,7 @@ def proven_or_point(
         found = at_point(certificate, result, x)
         try:
             proven(found, result.theorem, budget)
-        except FailsAt as failure:
+        except UnprovenError as failure:
             return failure.point
         return found
     raise CertificateError("no strictly feasible point was found near the solution", Place(result.theorem.name))

@@ -50,13 +50,15 @@ def certify_domain(
     binding: Binding,
     relaxation: Relaxation,
     given: Mapping[str, Any] | None = None,
+    sizes: Mapping[str, int] | None = None,
     solver: ConeSolver | None = None,
     rounds: int = ROUNDS,
     budget: int = BUDGET,
 ) -> Refined:
     """Solve, prove, refine the grid, until the LMIs are proven on the whole domain.
 
-    Raises CertificateError where ``rounds`` do not suffice, or a proof fails at a point of the grid.
+    ``sizes`` are those that the binding was made with. Raises CertificateError where ``rounds`` do
+    not suffice, or no strictly feasible point is found.
     """
     values: list[float] = []
     for _ in range(rounds):
@@ -66,7 +68,7 @@ def certify_domain(
                 f"on the refined grid the solver's answer is '{result.solution.status}'", Place(binding.theorem.name)
             )
         values.append(result.solution.value)
-        found = proven_or_point(blank(result, relaxation, given), result, SHARE, budget)
+        found = proven_or_point(blank(result, relaxation, given, sizes), result, SHARE, budget)
         if isinstance(found, Certificate):
             try:
                 found = with_lower(found, result, relaxation)

@@ -49,7 +49,7 @@ class Verdict:
     about_theorem: bool = False
 
 
-class FailsAt(CertificateError):
+class UnprovenError(CertificateError):
     """An LMI that is not proven on the whole domain; ``point`` is where it fails, or where a proof is hardest."""
 
     def __init__(self, message: str, place: Place, point: Mapping[sp.Symbol, Fraction]) -> None:
@@ -147,7 +147,7 @@ def _prove_upper(
             if isinstance(proof, Witness)
             else f"{budget} cells of the domain do not suffice for a proof, the worst being at {where}; allow more"
         )
-        raise FailsAt(what, Place(statement.theorem.name, lmi), proof.point)
+        raise UnprovenError(what, Place(statement.theorem.name, lmi), proof.point)
     return cells
 
 
