@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: reproduce test test-all lint bench clean
+.PHONY: certificates reproduce test test-all lint bench clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/lmic reproduce
@@ -21,6 +21,14 @@ lint: $(VENV)/installed-dev
 
 bench: $(VENV)/installed
 	$(BIN)/python benchmarks/compile.py
+
+# the enclosures behind the papers' tables, which the tests prove anew
+certificates: $(VENV)/installed
+	$(BIN)/lmic reproduce peixoto2025 wu2007.table1.hinf.point wu2007.table1.l2linf.point --certify certificates
+	for theorem in theorem1 corollary1; do for eps in 1 10 50 1000; do \
+	    $(BIN)/lmic solve peixoto2025.$$theorem --plant theorems/peixoto2025/example1.toml --set eps=$$eps \
+	        --certify certificates/peixoto2025.$$theorem.eps$$eps.json || exit 1; \
+	done; done
 
 clean:
 	rm -rf $(VENV) build dist reports .mypy_cache .ruff_cache .pytest_cache .hypothesis

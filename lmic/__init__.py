@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from lmic.certify.certificate import read_certificate as read_certificate
+    from lmic.certify.verify import verify as verify
     from lmic.library import theorem as theorem
     from lmic.pipeline import compile as compile
     from lmic.pipeline import finish as finish
@@ -35,9 +37,11 @@ _HOME = {
     "finish": "lmic.pipeline",
     "line_search": "lmic.search",
     "prepare": "lmic.pipeline",
+    "read_certificate": "lmic.certify.certificate",
     "read_plant": "lmic.plants.files",
     "run": "lmic.pipeline",
     "theorem": "lmic.library",
+    "verify": "lmic.certify.verify",
 }
 
 

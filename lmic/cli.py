@@ -115,27 +115,126 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
 @PLANT
 @compiling
 @click.option("--search", metavar="NAME=LOW:HIGH", help="Best value of a scalar, by bisection or a line search.")
+@click.option(
+    "--certify",
+    type=click.Path(path_type=Path),
+    is_flag=False,
+    flag_value=Path("-"),
+    metavar="[FILE]",
+    help="Prove an enclosure of the result, and write the certificate to a file.",
+)
+@click.option(
+    "--refine",
+    type=click.IntRange(min=1),
+    metavar="ROUNDS",
+    help="With --certify: points where the proof on the whole domain fails join the grid, for so many rounds.",
+)
 @JSON
-def solve(name: str, plant: Path, search: str | None, as_json: bool, **choices: Any) -> None:
+def solve(
+    name: str,
+    plant: Path,
+    search: str | None,
+    certify: Path | None,
+    refine: int | None,
+    as_json: bool,
+    **choices: Any,
+) -> None:
     """Solve a theorem (by name or path) for a plant and print what it reports and recovers."""
     from lmic import reporting
     from lmic.pipeline import run
     from lmic.search import search_scalar
 
-    chosen, found = Choices(**choices), None
+    chosen, found, refined, certificate = Choices(**choices), None, None, None
+    if refine and (search or not certify):
+        raise LmicError("--refine goes with --certify and without --search; add or remove one")
+    given = numbers(chosen.given, "--set")
     if search:
         scalar, low, high = interval(search, "--search")
-        given = numbers(chosen.given, "--set")
         binding = chosen.prepare_files(name, plant)
         found = search_scalar(binding, scalar, low, high, given, chosen.relaxation(binding.plant))
-    result = found.result if found else run(chosen.compile_files(name, plant))
+        given[scalar] = found.value
+    if refine:
+        from lmic.certify.refine import certify_domain
+
+        binding = chosen.prepare_files(name, plant)
+        relaxation = chosen.relaxation(binding.plant)
+        refined = certify_domain(binding, relaxation, given, chosen.dimensions(), rounds=refine)
+        certificate, result = refined.certificate, refined.result
+    else:
+        result = found.result if found else run(chosen.compile_files(name, plant))
+        if certify:
+            from lmic.certify.certify import certify as prove
+
+            relaxation = chosen.relaxation(result.problem.binding.plant)
+            certificate = prove(result, relaxation, given, chosen.dimensions())
+    if certificate and certify and certify != Path("-"):
+        certificate.write(certify)
     if as_json:
-        echo_json(reporting.result_record(result) | ({"search": reporting.search_record(found)} if found else {}))
+        record = reporting.result_record(result, certificate)
+        record |= {"search": reporting.search_record(found)} if found else {}
+        record |= {"minimised_on_each_grid": list(refined.values)} if refined else {}
+        record |= {"certificate": str(certify)} if certificate and certify != Path("-") else {}
+        echo_json(record)
     else:
         if found:
             click.echo(f"best {found.scalar} = {found.value:.8g} after {found.solves} solves")
-        reporting.print_result(result)
+        if refined:
+            values = ", ".join(f"{value:.8g}" for value in refined.values)
+            click.echo(
+                f"minimised on {len(refined.values)} grids, each with the point where the last one failed: {values}"
+            )
+        reporting.print_result(result, certificate)
     if not result.solution.trusted:
+        sys.exit(1)
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--theorem", metavar="PATH", help="The theorem file, where the theorem is not one of the library.")
+@JSON
+def verify(file: Path, theorem: str | None, as_json: bool) -> None:
+    """Prove a certificate anew from its theorem and its file alone, without any solver."""
+    from lmic import library, reporting
+    from lmic.certify.certificate import read_certificate
+    from lmic.certify.verify import verify as prove
+
+    certificate = read_certificate(file)
+    verdict = prove(certificate, library.theorem(theorem) if theorem else None)
+    if as_json:
+        echo_json(reporting.verdict_record(certificate, verdict))
+    else:
+        reporting.print_verdict(certificate, verdict)
+    if not verdict.holds:
+        sys.exit(1)
+
+
+@main.command()
+@click.argument("name")
+@PLANT
+@compiling
+@click.option("--below", metavar="VALUE", required=True, help="The value that the theorem is said to reach.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the certificate to a file.")
+@JSON
+def refute(name: str, plant: Path, below: str, output: Path | None, as_json: bool, **choices: Any) -> None:
+    """Prove that no solution of a theorem reports so small a value; ends with 1 where that is not proven."""
+    from lmic.certify.certify import refutation
+    from lmic.pipeline import run
+
+    chosen = Choices(**choices)
+    value = numbers([f"value={below}"], "--below")["value"]
+    result = run(chosen.compile_files(name, plant))
+    certificate, report, lower = refutation(
+        result, chosen.relaxation(result.problem.binding.plant), numbers(chosen.given, "--set"), chosen.dimensions()
+    )
+    if output:
+        certificate.write(output)
+    refuted = lower > value
+    if as_json:
+        echo_json({"report": report, "below": float(value), "lower": float(lower), "refuted": refuted})
+    else:
+        verdict = "so it cannot be reached" if refuted else "which does not refute it"
+        click.echo(f"{report} = {below}: {report} is at least {float(lower):.12g} (proven), {verdict}")
+    if not refuted:
         sys.exit(1)
 
 
@@ -170,20 +269,27 @@ def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) 
     show_default=True,
     help="Folder for the figures.",
 )
+@click.option(
+    "--certify",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Prove an enclosure of every number, and write the certificates to a folder.",
+)
 @JSON
-def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
+def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_json: bool) -> None:
     """Regenerate the papers' tables and figures (all, or by the beginning of their ids)."""
     from lmic import reporting, terminal
     from lmic.papers.cases import select
     from lmic.papers.figures import draw, draw_responses
+    from lmic.papers.reproduce import certified, run_simulation
     from lmic.papers.reproduce import reproduce as run_table
-    from lmic.papers.reproduce import run_simulation
 
     tables = select(names)
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LmicError(f"the folder {output} cannot be written: {error.strerror}; choose another with -o") from error
+    for folder in filter(None, (output, certify)):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise LmicError(f"the folder {folder} cannot be written: {error.strerror}; choose another") from error
     records = []
     trusted = True
     for table in tables:
@@ -191,6 +297,8 @@ def reproduce(names: tuple[str, ...], output: Path, as_json: bool) -> None:
         with terminal.progress(len(table.cases), table.paper, quiet=as_json) as advance:
             for outcome in run_table(table):
                 outcomes[outcome.case.id] = outcome
+                if certify:
+                    certified(outcome).write(certify / f"{outcome.case.id}.json")
                 advance(outcome.case.what)
         simulated = [run_simulation(simulation, outcomes) for simulation in table.simulations]
         figures = [

@@ -76,3 +76,7 @@ class RecoveryError(LmicError):
 
 class LibraryError(LmicError):
     """A theorem, plant or case of that name does not exist."""
+
+
+class CertificateError(LmicError):
+    """A certificate is malformed, or states what cannot be proven."""

@@ -9,7 +9,7 @@
 | 4 | LMIFamily      | relax              | finitely many LMIs, labelled, with their soundness             |
 | 5 | ConicProblem   | assemble           | minimise c·x, F_k(x) ⪰ 0, one sparse array                     |
 | 6 | Solution       | solve              | lineality, congruence rescaling, solver, measured violation    |
-| 7 | Certificate    | (not built yet)    | what is proven of the number                                   |
+| 7 | Certificate    | certify            | what is proven of the number: an enclosure, and where it holds |
 | 8 | Design         | recover            | the filter's matrices as functions of the parameter            |
 """
 

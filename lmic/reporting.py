@@ -10,6 +10,9 @@ import numpy as np
 
 from lmic.assemble import ConicProblem
 from lmic.assumptions import vertex_points
+from lmic.certify.certificate import Certificate
+from lmic.certify.document import decimal, decimal_above, decimal_below
+from lmic.certify.verify import Verdict
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import CaseTable
 from lmic.papers.reproduce import Outcome, achieved
@@ -18,6 +21,9 @@ from lmic.relax.family import LMIFamily
 from lmic.search import Found
 from lmic.simulate.trajectory import Trajectory
 from lmic.terminal import console, table
+
+#: digits of a proven end on the screen, rounded outwards
+SHOWN = 12
 
 # A theorem and its compiled size ------------------------------------------------------------------
 
@@ -114,10 +120,13 @@ def _size(shape: Sequence[Any]) -> str:
 # A result -------------------------------------------------------------------------------------------
 
 
-def result_record(result: Result) -> dict[str, Any]:
-    """A result as plain data; matrices of the design as their coefficients over the basis."""
+def result_record(result: Result, certificate: Certificate | None = None) -> dict[str, Any]:
+    """A result as plain data; matrices of the design as their coefficients over the basis.
+
+    With a certificate ``soundness`` says what is proven, and ``lower`` and ``upper`` enclose the reports.
+    """
     solution = result.solution
-    return {
+    record = {
         "theorem": result.theorem.name,
         "plant": result.problem.binding.plant.name,
         "given": {symbol.name: value for symbol, value in result.problem.binding.values.items()},
@@ -140,6 +149,18 @@ def result_record(result: Result) -> dict[str, Any]:
         "unknowns": _unknowns(result),
         "design": _vertex_design(result),
         "seconds": round(result.seconds, 3),
+    }
+    return record | (certificate_record(certificate) if certificate else {})
+
+
+def certificate_record(certificate: Certificate) -> dict[str, Any]:
+    """What a certificate proves as plain data; its exact numbers are in its file."""
+    upper, lower = certificate.upper, certificate.lower
+    return {
+        "lower": {name: float(value) for name, value in lower.reports.items()} if lower else {},
+        "upper": {name: float(value) for name, value in upper.reports.items()} if upper else {},
+        "soundness": certificate.standing.value,
+        "notes": list(certificate.notes),
     }
 
 
@@ -173,8 +194,8 @@ def _vertex_design(result: Result) -> dict[str, Any]:
     }
 
 
-def print_result(result: Result) -> None:
-    """A result for people."""
+def print_result(result: Result, certificate: Certificate | None = None) -> None:
+    """A result for people, with what is proven of it."""
     out, solution = console(), result.solution
     out.print(f"[bold]{result.theorem.name}[/bold]  {result.theorem.title}")
     print_families(result.problem)
@@ -191,11 +212,60 @@ def print_result(result: Result) -> None:
     out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
     known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     for name, value in result.reports.items():
-        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {known}; relaxation {result.problem.soundness.value}")
+        proven = enclosure(certificate, name) if certificate else known
+        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {proven}; relaxation {result.problem.soundness.value}")
+    for note in certificate.notes if certificate else ():
+        out.print(f"            {note}", markup=False)
     for warning in solution.warnings:
         out.print(f"[bold red]warning[/bold red]     {warning}")
     if result.theorem.recover:
         print_design(result)
+
+
+def enclosure(certificate: Certificate, name: str) -> str:
+    """The proven interval of a report and what it stands on: ∈ [1.2137692, 1.2137693] certified."""
+    lower = certificate.lower.reports.get(name) if certificate.lower else None
+    upper = certificate.upper.reports.get(name) if certificate.upper else None
+    ends = [
+        "−∞" if lower is None else decimal(decimal_below(lower, SHOWN)),
+        "∞" if upper is None else decimal(decimal_above(upper, SHOWN)),
+    ]
+    width = f", {float((upper - lower) / abs(upper)):.0e} wide" if lower is not None and upper else ""
+    return f"∈ \\[{ends[0]}, {ends[1]}] {certificate.standing.value}{width}"
+
+
+def verdict_record(certificate: Certificate, verdict: Verdict) -> dict[str, Any]:
+    """The outcome of proving a certificate anew as plain data."""
+    return {
+        "theorem": certificate.theorem,
+        "plant": certificate.plant.name,
+        "holds": verdict.holds,
+        "reason": verdict.reason,
+        "cells": verdict.cells,
+        "lower_bound_of": "theorem" if verdict.about_theorem else "relaxation",
+    } | (certificate_record(certificate) if verdict.holds else {"soundness": verdict.standing.value})
+
+
+def print_verdict(certificate: Certificate, verdict: Verdict) -> None:
+    """The outcome of proving a certificate anew for people."""
+    out = console()
+    scalars = ", ".join(f"{name} = {value}" for name, value in certificate.scalars.items())
+    out.print(f"[bold]{certificate.theorem}[/bold] for {certificate.plant.name}{f', {scalars}' if scalars else ''}")
+    if certificate.library_plant:
+        out.print(f"data        those of the library's {certificate.library_plant}")
+    if not verdict.holds:
+        out.print(f"[bold red]failed[/bold red]      {verdict.reason}")
+        return
+    names = dict.fromkeys(n for bound in (certificate.upper, certificate.lower) if bound for n in bound.reports)
+    for name in names:
+        out.print(f"{name:<11} {enclosure(certificate, name)}")
+    where = "on the whole domain" if certificate.upper and not certificate.upper.functionals else "at the listed points"
+    if certificate.upper:
+        out.print(f"upper end   every LMI is positive definite {where} ({verdict.cells} cells)")
+    if certificate.lower:
+        about = "every solution of the theorem with these bases" if verdict.about_theorem else "its relaxation"
+        what = "infeasible" if certificate.lower.infeasible else "lower end  "
+        out.print(f"{what} proven by {len(certificate.lower.functionals)} dual matrices, for {about}")
 
 
 def print_design(result: Result) -> None:

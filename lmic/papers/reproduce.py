@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from lmic.assumptions import vertex_points
+from lmic.certify.certificate import Certificate
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
 from lmic.norms import frozen_gain
@@ -80,6 +81,13 @@ def reproduce(table: CaseTable) -> Iterator[Outcome]:
         if trusted:
             bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
         yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(relaxation, result))
+
+
+def certified(outcome: Outcome) -> Certificate:
+    """What is proven of a case's number."""
+    from lmic.certify.certify import certify
+
+    return certify(outcome.result, outcome.case.relaxation, outcome.case.given)
 
 
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:

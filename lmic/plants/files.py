@@ -140,7 +140,7 @@ def _read_toml(content: bytes, stem: str) -> Plant:
         document = tomllib.loads(text, parse_float=Numeral)
     except (ValueError, RecursionError) as error:
         raise PlantError(f"is not valid TOML: {error}; correct it there") from error
-    return _plant_of_tables(document, stem)
+    return plant_of_tables(document, stem)
 
 
 def _read_json(content: bytes, stem: str) -> Plant:
@@ -150,7 +150,7 @@ def _read_json(content: bytes, stem: str) -> Plant:
         )
     except (ValueError, RecursionError) as error:
         raise PlantError(f"is not valid JSON: {error}; correct it there") from error
-    return _plant_of_tables(document, stem)
+    return plant_of_tables(document, stem)
 
 
 def _text(content: bytes) -> str:
@@ -168,7 +168,8 @@ def _object_without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return table
 
 
-def _plant_of_tables(document: Any, stem: str) -> Plant:
+def plant_of_tables(document: Any, stem: str) -> Plant:
+    """The plant that the tables of a text file state, called ``stem`` where they give no name."""
     document = _table(document, {"name", "source", "parameters", "scalars", "matrices"})
     texts = {"name": document.get("name", stem), "source": document.get("source", "")}
     for key, text in texts.items():

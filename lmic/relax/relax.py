@@ -110,7 +110,7 @@ def _relax_axis(method: str, axis: Axis, part: Monomials, choice: Relaxation) ->
         return vertices(axis, part)
     if method == "polya":
         return polya(axis, part, _polya_degree(axis, choice))
-    return grid(axis, part, _grid(axis, choice))
+    return grid(axis, part, chosen_grid(axis, choice))
 
 
 def _count(method: str, axis: Axis, part: Monomials, choice: Relaxation) -> int:
@@ -121,7 +121,7 @@ def _count(method: str, axis: Axis, part: Monomials, choice: Relaxation) -> int:
     if method == "polya":
         target = int(part.exponents.sum(axis=1).max()) + _polya_degree(axis, choice)
         return comb(corners + target - 1, target)
-    points = _grid(axis, choice)
+    points = chosen_grid(axis, choice)
     if points.joint:
         return len(points.points) or points.count
     symbols = len(axis.symbols)
@@ -133,7 +133,8 @@ def _polya_degree(axis: Axis, choice: Relaxation) -> int:
     return choice.polya if isinstance(choice.polya, int) else int(_option(choice.polya, axis, 0))
 
 
-def _grid(axis: Axis, choice: Relaxation) -> Grid:
+def chosen_grid(axis: Axis, choice: Relaxation) -> Grid:
+    """The grid that is asked for on an axis."""
     points = _option(choice.grid, axis, None)
     return points if isinstance(points, Grid) else Grid(points)
 

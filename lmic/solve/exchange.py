@@ -52,7 +52,7 @@ def solve_by_exchange(problem: ConicProblem, solver: ConeSolver, passes: int = P
                 break
             active = np.union1d(active, _worst_of_each(problem, violated, least))
         if found.status.usable and effort == 1:
-            active = active[_binding(problem.restricted(active), found)]
+            active = active[binding_lmis(problem.restricted(active), found)]
     if found.status is Status.INFEASIBLE:
         # infeasible already with few of the LMIs, so with all
         return replace(found, passes=tuple(steps), dual=_spread_dual(problem, active, found.dual))
@@ -61,8 +61,8 @@ def solve_by_exchange(problem: ConicProblem, solver: ConeSolver, passes: int = P
     return _complete(problem, active, found, least, steps)
 
 
-def _binding(part: ConicProblem, found: Solution) -> Array:
-    """The LMIs that carry the dual, each weighed in the units of its own slack."""
+def binding_lmis(part: ConicProblem, found: Solution) -> Array:
+    """Which LMIs carry the dual, each weighed in the units of its own slack."""
     weights = []
     duals = slack_matrices(found.dual, part.orders)
     matrices = slack_matrices(part.matrix @ found.x + part.offset, part.orders)

@@ -121,6 +121,16 @@ def unscaled_dual(scaled: Array, scaling: Scaling, orders: Array) -> Array:
     return _transformed(scaled, [d.T for d in scaling.congruence], orders)
 
 
+def scaled_slack(packed: Array, scaling: Scaling, orders: Array) -> Array:
+    """svec of D S Dᵀ for every LMI: the slack in the scaled coordinates."""
+    return _transformed(packed, scaling.congruence, orders)
+
+
+def scaled_dual(packed: Array, scaling: Scaling, orders: Array) -> Array:
+    """svec of D⁻ᵀ Z D⁻¹ for every LMI: the dual in the scaled coordinates."""
+    return _transformed(packed, [np.linalg.inv(d).T for d in scaling.congruence], orders)
+
+
 def _transformed(packed: Array, transforms: list[Array], orders: Array) -> Array:
     parts = []
     for matrix, transform in zip(slack_matrices(packed, orders), transforms, strict=True):

@@ -90,7 +90,7 @@ def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> S
     Positive means strictly feasible. The sum of the traces is bounded, so that a condition
     homogeneous in its unknowns has a bounded set of solutions.
     """
-    identity = np.concatenate([_svec_identity(int(order)) for order in problem.orders])
+    identity = np.concatenate([svec_identity(int(order)) for order in problem.orders])
     matrix, offset = problem.matrix, problem.offset
     limit = TRACE_LIMIT * (problem.orders.sum() + np.abs(offset).sum())
     trace = sps.csc_array(-(matrix.T @ identity)[None, :])
@@ -155,7 +155,8 @@ def _strictly_feasible(problem: ConicProblem, x: Array) -> bool:
     return True
 
 
-def _svec_identity(order: int) -> Array:
+def svec_identity(order: int) -> Array:
+    """svec of the identity."""
     diagonal = np.arange(order)
     vector = np.zeros(order * (order + 1) // 2)
     vector[diagonal * (diagonal + 3) // 2] = 1.0

@@ -1,0 +1,208 @@
+"""Prove a certificate anew, from the statement and the file alone: no solver, nothing of the compiler.
+
+What is proven: every LMI of the theorem is positive definite at the certificate's point, for every
+parameter of the domain (or at the points that it lists), and the reported values follow from that
+point; and no point does better than the lower bound, by dual matrices that satisfy their equalities
+exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from lmic import library
+from lmic.certify import document
+from lmic.certify.certificate import Certificate, Lower, Standing, Upper
+from lmic.certify.definite import is_positive_definite
+from lmic.certify.domain import ProofDomain, Proven, Witness, prove_positive
+from lmic.certify.finite import Functional, finite_problem
+from lmic.certify.lower import lower_bound
+from lmic.certify.region import inside, region
+from lmic.certify.statement import Statement, to_flint
+from lmic.errors import CertificateError, LmicError, Place
+from lmic.language.theorem import Theorem
+from lmic.plants.files import read_plant
+from lmic.polynomials import MatrixPolynomial
+
+#: cells of the domain over all LMIs that a proof may take
+BUDGET = 20_000
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a certificate holds, and why not; ``cells`` is how many pieces the domain took.
+
+    ``about_theorem`` says that the lower bound holds for the theorem itself, at points of the domain,
+    and not only for its relaxation.
+    """
+
+    holds: bool
+    reason: str
+    standing: Standing
+    cells: int = 0
+    about_theorem: bool = False
+
+
+class UnprovenError(CertificateError):
+    """An LMI that is not proven on the whole domain; ``point`` is where it fails, or where a proof is hardest."""
+
+    def __init__(self, message: str, place: Place, point: Mapping[sp.Symbol, Fraction]) -> None:
+        super().__init__(message, place)
+        self.point = point
+
+
+def verify(certificate: Certificate, theorem: Theorem | None = None) -> Verdict:
+    """Prove it anew; ``theorem`` is the statement where it is not one of the library."""
+    try:
+        cells, about_theorem = proven(certificate, theorem or library.theorem(certificate.theorem))
+    except LmicError as error:
+        return Verdict(False, str(error), Standing.FAILED)
+    return Verdict(True, "", certificate.standing, cells, about_theorem)
+
+
+def proven(certificate: Certificate, theorem: Theorem, budget: int = BUDGET) -> tuple[int, bool]:
+    """Cells used, and whether the lower bound is one on the theorem; raises where a proof fails."""
+    if certificate.upper is None and certificate.lower is None:
+        raise CertificateError("it states nothing that could be proven")
+    _check_data(certificate, theorem)
+    statement = Statement(theorem, certificate.plant, certificate.scalars, certificate.dimensions)
+    domain = region(statement, certificate.ties)
+    cells = _prove_upper(certificate, certificate.upper, statement, domain, budget) if certificate.upper else 0
+    about_theorem = False
+    if certificate.lower:
+        _prove_lower(certificate, certificate.lower, statement, domain)
+        about_theorem = all(
+            axis.point is not None for functional in certificate.lower.functionals for axis in functional.axes
+        )
+        if not all(inside(functional, domain) for functional in certificate.lower.functionals):
+            raise CertificateError("a dual matrix belongs to a point outside the domain")
+    return cells, about_theorem
+
+
+def _check_data(certificate: Certificate, theorem: Theorem) -> None:
+    """The plant is the library's where it is said to be, and the scalars and unknowns are the theorem's."""
+    if certificate.library_plant:
+        file = (library.root() / certificate.library_plant).resolve()
+        if not file.is_relative_to(library.root().resolve()) or not file.is_file():
+            raise CertificateError(f"the library has no plant {certificate.library_plant}")
+        if not document.same_plant(read_plant(file), certificate.plant):
+            raise CertificateError(f"the data are not those of the library's {certificate.library_plant}")
+    wanted = {symbol.name for symbol in theorem.givens} | set(certificate.plant.scalars)
+    if set(certificate.scalars) != wanted:
+        raise CertificateError(f"the scalars are {_names(certificate.scalars)} where {_names(wanted)} are needed")
+    unknowns = {symbol.name for symbol in theorem.scalar_unknowns} | set(theorem.unknowns)
+    if set(certificate.unknowns) != unknowns:
+        raise CertificateError(f"the unknowns are {_names(certificate.unknowns)} where {_names(unknowns)} are needed")
+
+
+def _names(names: Any) -> str:
+    return ", ".join(sorted(names)) or "none"
+
+
+# Upper bounds ---------------------------------------------------------------------------------------
+
+
+def point(certificate: Certificate, statement: Statement) -> dict[str, MatrixPolynomial]:
+    """The unknowns of the certificate as polynomials; raises where they are not of their form."""
+    found = {}
+    for name, unknown in certificate.unknowns.items():
+        if len(unknown.matrices) != len(unknown.functions) or len(set(unknown.functions)) < len(unknown.functions):
+            raise CertificateError(f"the unknown {name} does not have one matrix for each basis function")
+        found[name] = statement.value(name, dict(zip(unknown.functions, unknown.matrices, strict=True)))
+    return found
+
+
+def _prove_upper(
+    certificate: Certificate,
+    upper: Upper,
+    statement: Statement,
+    domain: ProofDomain,
+    budget: int,
+) -> int:
+    unknowns = point(certificate, statement)
+    for name, claimed in upper.reports.items():
+        if name not in statement.theorem.reports:
+            raise CertificateError(f"the theorem reports no {name}")
+        if not at_least(claimed, statement.theorem.reports[name], statement, unknowns):
+            raise CertificateError(f"{name} at the point is larger than {document.decimal(claimed)}")
+    matrices = {lmi: statement.matrix(lmi, unknowns).renamed(domain.equal).merged() for lmi in statement.theorem.lmis}
+    if upper.functionals:
+        _prove_at(upper.functionals, matrices, domain)
+        return len(upper.functionals)
+    cells = 0
+    for lmi, matrix in matrices.items():
+        proof = prove_positive(matrix, domain, budget - cells)
+        cells += proof.cells
+        if isinstance(proof, Proven):
+            continue
+        where = ", ".join(f"{symbol} = {float(value):.4g}" for symbol, value in proof.point.items())
+        what = (
+            f"the LMI does not hold at {where}; refine the grid there"
+            if isinstance(proof, Witness)
+            else f"{budget} cells of the domain do not suffice for a proof, the worst being at {where}; allow more"
+        )
+        raise UnprovenError(what, Place(statement.theorem.name, lmi), proof.point)
+    return cells
+
+
+def _prove_at(functionals: Sequence[Functional], matrices: Mapping[str, MatrixPolynomial], domain: ProofDomain) -> None:
+    """Positive definiteness at listed points of the domain."""
+    missing = set(matrices) - {functional.lmi for functional in functionals}
+    if missing:
+        raise CertificateError(f"the LMI '{min(missing)}' is proven at no point")
+    for functional in functionals:
+        if functional.lmi not in matrices or any(len(axis.corners) != 1 for axis in functional.axes):
+            raise CertificateError("a grid point is no point of one of the theorem's LMIs")
+        if not inside(functional, domain):
+            raise CertificateError(f"a grid point of the LMI '{functional.lmi}' lies outside the domain")
+        matrix = matrices[functional.lmi]
+        value = sum(w * c for w, c in zip(functional.weights(matrix), matrix.coefficients, strict=True))
+        if not is_positive_definite(to_flint(np.asarray(value))):
+            raise CertificateError(f"the LMI '{functional.lmi}' is not positive definite at one of the grid points")
+
+
+def at_least(
+    claimed: Fraction, expression: sp.Expr, statement: Statement, unknowns: Mapping[str, MatrixPolynomial]
+) -> bool:
+    """Whether a value is proven to be no less than a report, which is a polynomial or the root of one."""
+    root = isinstance(expression, sp.Pow) and expression.exp == sp.Rational(1, 2)
+    value = statement.expression(expression.base if root else expression, unknowns)
+    if value.monomials.atoms:
+        raise CertificateError(f"the report {expression} has no exact value")
+    exact = Fraction(value.coefficients[0, 0, 0])
+    return (claimed >= 0 and 0 <= exact <= claimed**2) if root else exact <= claimed
+
+
+# Lower bounds ---------------------------------------------------------------------------------------
+
+
+def _prove_lower(certificate: Certificate, lower: Lower, statement: Statement, domain: ProofDomain) -> None:
+    if any(functional.lmi not in statement.theorem.lmis for functional in lower.functionals):
+        raise CertificateError("a dual matrix belongs to no LMI of the theorem")
+    functions = {name: unknown.functions for name, unknown in certificate.unknowns.items()}
+    problem = finite_problem(statement, functions, domain.equal, lower.functionals)
+    if lower.infeasible:
+        problem = replace(problem, cost=np.full(problem.size, Fraction(0), dtype=object), constant=Fraction(0))
+        if lower.reports or not lower_bound(problem, lower.dual) > 0:
+            raise CertificateError("the dual matrices do not show that the LMIs have no solution")
+        return
+    bound = lower_bound(problem, lower.dual)
+    for name, claimed in lower.reports.items():
+        if not at_most(claimed, name, bound, statement.theorem):
+            raise CertificateError(f"the dual matrices do not show that {name} is at least {document.decimal(claimed)}")
+
+
+def at_most(claimed: Fraction, name: str, bound: Fraction, theorem: Theorem) -> bool:
+    """Whether the report ``name`` is proven to be no less than a value, from a bound on the objective."""
+    expression = theorem.reports.get(name)
+    if theorem.minimise is None or expression not in (theorem.minimise, sp.sqrt(theorem.minimise)):
+        raise CertificateError(f"{name} is neither the objective nor its root, so no bound on it follows")
+    if expression == theorem.minimise:
+        return claimed <= bound
+    return claimed <= 0 or claimed**2 <= bound
