@@ -64,7 +64,7 @@ def _centred(problem: ConicProblem, solution: Solution) -> tuple[ConeData, Scali
     kept = lineality(whole.matrix).kept
     data = replace(whole, cost=whole.cost[kept], matrix=whole.matrix[:, kept])
     slack = whole.matrix @ solution.x + whole.offset
-    scaled, transform = scaling.rescaled(data, slack, solution.x[kept])
+    scaled, transform = scaling.rescaled(data, slack)
     identity = np.concatenate([svec_identity(int(order)) for order in problem.orders])
     centred = replace(scaled, offset=scaling.scaled_slack(slack, transform, problem.orders))
     return centred, transform, kept, identity

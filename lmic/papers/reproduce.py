@@ -40,9 +40,13 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """A case with its result; ``frozen_norm`` is the largest over the vertices, None if not defined."""
+    """A case with its result; ``frozen_norm`` is the largest over the vertices, None if not defined.
+
+    ``relaxation`` is the case's with the grids that it asked to find.
+    """
 
     case: Case
+    relaxation: Relaxation
     result: Result
     value: float
     verdict: Verdict
@@ -80,14 +84,15 @@ def reproduce(table: CaseTable) -> Iterator[Outcome]:
         trusted = result.solution.trusted
         if trusted:
             bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
-        yield Outcome(case, result, value, verdict(case, value, trusted, bounds), _frozen_norm(relaxation, result))
+        found = verdict(case, value, trusted, bounds)
+        yield Outcome(case, relaxation, result, value, found, _frozen_norm(relaxation, result))
 
 
 def certified(outcome: Outcome) -> Certificate:
     """What is proven of a case's number."""
     from lmic.certify.certify import certify
 
-    return certify(outcome.result, outcome.case.relaxation, outcome.case.given)
+    return certify(outcome.result, outcome.relaxation, outcome.case.given)
 
 
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:

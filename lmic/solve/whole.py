@@ -165,7 +165,7 @@ def svec_identity(order: int) -> Array:
 
 def _svec_diagonal(packed: Array, orders: Array) -> Array:
     """The diagonals of the matrices of an svec vector, zero elsewhere."""
-    return packed * np.concatenate([_svec_identity(int(order)) for order in orders])
+    return packed * np.concatenate([svec_identity(int(order)) for order in orders])
 
 
 def passes_of(
