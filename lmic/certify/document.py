@@ -137,7 +137,10 @@ def plant_tables(plant: Plant) -> dict[str, Any]:
         "source": plant.source,
         "parameters": {name: _parameter(plant, name) for name in plant.domains},
         "scalars": {name: str(value) for name, value in plant.scalars.items()},
-        "matrices": {name: _matrix_texts(matrix) for name, matrix in plant.matrices.items()},
+        "matrices": {
+            name: dict(plant.exponentials[name]) if name in plant.exponentials else _matrix_texts(matrix)
+            for name, matrix in plant.matrices.items()
+        },
     }
     if not same_plant(read_plant_tables(tables), plant):
         raise CertificateError(f"{plant.name} cannot be written as a plant file; simplify its expressions")

@@ -14,6 +14,7 @@ import flint
 import sympy as sp
 
 from lmic.errors import CertificateError
+from lmic.functions import ExponentialEntry
 from lmic.plants.expressions import Where
 
 #: a polynomial with ball coefficients, by exponents
@@ -113,12 +114,27 @@ def _series(expression: sp.Expr, values: Mapping[sp.Symbol, Series], length: int
         return _constant(flint.fmpq(int(expression.p), int(expression.q)), length)
     if expression.is_Float:  # the decimal that it is written as
         return _series(sp.Rational(repr(float(expression))), values, length)
+    if isinstance(expression, ExponentialEntry):
+        return _exponential(expression, _series(expression.time, values, length), length)
     translation = TRANSLATIONS.get(expression.func)
     if translation is None:
         raise CertificateError(
             f"{expression} has no ball arithmetic; state it with exp, log, sqrt, trigonometric or hyperbolic functions"
         )
     return translation(expression, [_series(argument, values, length) for argument in expression.args], length)
+
+
+def _exponential(entry: ExponentialEntry, time: Series, length: int) -> Series:
+    """An entry of exp(tM) = exp(t_0 M) Σ_k ((t − t_0) M)^k / k!, a sum that ends where the series does."""
+    row, column = entry.place
+    exponent = flint.arb_mat([[flint.arb(flint.fmpq(int(v.p), int(v.q))) for v in r] for r in entry.exponent.tolist()])
+    power, matrix = _constant(1, length), (exponent * time[0]).exp()
+    step = flint.arb_series([flint.arb(0), *(time[k] for k in range(1, length))], length)
+    result = _constant(matrix[row, column], length)
+    for k in range(1, length):
+        power, matrix = power * step / k, matrix * exponent
+        result += power * matrix[row, column]
+    return result
 
 
 def _constant(value: Any, length: int) -> Series:

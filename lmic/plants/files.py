@@ -195,8 +195,7 @@ def plant_of_tables(document: Any, stem: str) -> Plant:
             matrices[name] = (
                 _exponential(entries[name], plant, matrices) if name in exponentials else _matrix(entries[name], plant)
             )
-    used = {entries[name].get(key) for name in exponentials for key in ("exponential", "input")}
-    return replace(plant, matrices=matrices, ingredients=frozenset(used & set(matrices)))
+    return replace(plant, matrices=matrices, exponentials={name: entries[name] for name in sorted(exponentials)})
 
 
 def _table(entry: Any, keys: set[str]) -> dict[str, Any]:

@@ -23,7 +23,7 @@ class Plant:
     ``matrices`` have exact coefficients; their atoms are components of the ``domains``, names of
     ``scalars`` and functions of both. ``motions`` say how far a parameter moves in a step or per
     unit of time, where a theorem asks. ``scalars`` hold the values used unless others are set.
-    ``ingredients`` names matrices that others are made of: a theorem need not use them itself.
+    ``exponentials`` say of matrices that are made of others how: {"Phi": {"exponential": "A", "time": "h"}}.
     """
 
     matrices: Mapping[str, MatrixPolynomial]
@@ -32,7 +32,7 @@ class Plant:
     scalars: Mapping[str, Fraction] = field(default_factory=dict)
     name: str = "plant"
     source: str = ""
-    ingredients: frozenset[str] = frozenset()
+    exponentials: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         owners = dict.fromkeys(self.scalars, "the scalars")
@@ -44,6 +44,11 @@ class Plant:
                         "rename one"
                     )
                 owners[component] = parameter
+
+    @property
+    def ingredients(self) -> set[str]:
+        """Matrices that others are made of: a theorem need not use them itself."""
+        return {made[key] for made in self.exponentials.values() for key in ("exponential", "input") if key in made}
 
     @classmethod
     def polytopic(cls, parameter: str = "alpha", name: str = "plant", **vertices: Sequence[Any]) -> Plant:
