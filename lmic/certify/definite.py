@@ -58,7 +58,9 @@ def proves_positive_definite(matrix: flint.arb_mat) -> bool:
     if inverse is None:
         return False
     rows = (inverse * matrix * inverse.transpose()).tolist()
-    return all(2 * row[i].lower() > sum((abs(entry) for entry in row), flint.arb(0)) for i, row in enumerate(rows))
+    return all(
+        row[i] > sum((abs(entry) for j, entry in enumerate(row) if j != i), flint.arb(0)) for i, row in enumerate(rows)
+    )
 
 
 def _inverse_factor(matrix: flint.arb_mat) -> flint.arb_mat | None:

@@ -55,8 +55,9 @@ def enclosure(atom: sp.Expr, symbols: tuple[sp.Symbol, ...], where: Range) -> Po
         return {zero: _coefficients(atom, {}, 1)[0]}
     directions = {s: flint.arb_series([where.ball(s), where.offset(s)], DEGREE + 2) for s in inner}
     for terms in range(DEGREE + 1 if len(inner) == 1 else 2, -1, -1):
-        remainder = _coefficients(atom, directions, terms + 1)[terms]
-        if not remainder.is_finite():
+        *lower, remainder = _coefficients(atom, directions, terms + 1)
+        # Taylor's theorem asks for a function that is smooth on the whole cell
+        if not all(coefficient.is_finite() for coefficient in (*lower, remainder)):
             continue
         if terms == 0:
             return {zero: remainder}
@@ -141,6 +142,10 @@ def _constant(value: Any, length: int) -> Series:
     return flint.arb_series([flint.arb(value)], length)
 
 
+def _unknown(length: int) -> Series:
+    return flint.arb_series([flint.arb.nan()] * length, length)
+
+
 def _sum(expression: sp.Expr, arguments: list[Series], length: int) -> Series:
     return sum(arguments[1:], arguments[0])
 
@@ -177,7 +182,7 @@ def _absolute(expression: sp.Expr, arguments: list[Series], length: int) -> Seri
     value = arguments[0][0]
     if value >= 0 or value <= 0:
         return arguments[0] if value >= 0 else -arguments[0]
-    return _constant(abs(value) if length == 1 else flint.arb.nan(), length)
+    return _constant(abs(value), 1) if length == 1 else _unknown(length)
 
 
 def _where(expression: sp.Expr, arguments: list[Series], length: int) -> Series:
@@ -186,7 +191,7 @@ def _where(expression: sp.Expr, arguments: list[Series], length: int) -> Series:
     difference = left[0] - right[0]
     if difference >= 0 or difference < 0:
         return then if difference >= 0 else otherwise
-    return _constant(then[0].union(otherwise[0]) if length == 1 else flint.arb.nan(), length)
+    return _constant(then[0].union(otherwise[0]), 1) if length == 1 else _unknown(length)
 
 
 def _named(method: str) -> Translation:
