@@ -15,6 +15,7 @@ from lmic.certify.document import decimal, decimal_above, decimal_below
 from lmic.certify.verify import Verdict
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import CaseTable
+from lmic.papers.enclosures import Enclosure
 from lmic.papers.reproduce import Outcome, achieved
 from lmic.pipeline import Result
 from lmic.relax.family import LMIFamily
@@ -305,7 +306,7 @@ def print_reproduction(
     for outcome in outcomes.values():
         by_table.setdefault(outcome.case.table, []).append(outcome)
     for name, rows in by_table.items():
-        columns = ("case", "paper", "lmic", "difference", "verdict", "violation", "frozen H∞", "achieved (paper)")
+        columns = ("case", "paper", "lmic", "difference", "verdict", "proven", "frozen H∞", "achieved (paper)")
         shown = table(*columns, title=f"{cases.paper}, {name}")
         for outcome in rows:
             shown.add_row(*_reproduction_row(outcome, gains.get(outcome.case.id)))
@@ -319,6 +320,12 @@ def print_reproduction(
         out.print(f"figure: {path}", soft_wrap=True)
 
 
+def _proven(enclosure: Enclosure | None) -> str:
+    if enclosure is None:
+        return "numerical"
+    return f"{enclosure} ({enclosure.standing})"
+
+
 def _reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
     case, paper = outcome.case, float(outcome.case.paper)
     printed = f" ({case.paper_gain})" if case.paper_gain is not None else ""
@@ -328,7 +335,7 @@ def _reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
         f"{outcome.value:.7g}",
         "" if case.stand_in or case.paper.is_infinite() else f"{(outcome.value - paper) / paper:+.2%}",
         outcome.verdict.value,
-        f"{abs(outcome.result.solution.relative_violation):.0e}",
+        _proven(outcome.enclosure),
         "" if outcome.frozen_norm is None else f"{outcome.frozen_norm:.4g}",
         "" if gain is None else f"{gain:.4g}{printed}",
     ]

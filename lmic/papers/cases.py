@@ -22,9 +22,10 @@ class Case:
     """One number of a paper.
 
     ``paper`` is the value as printed and ``paper_gain`` the gain it simulated; ``given`` are the
-    scalars; ``cover`` names sampling intervals whose grid is found by covering their domain; ``below``
-    is the case whose optimum is a lower bound on this one's; ``stand_in`` says that the paper's data
-    are lost; ``reference`` is the known optimum, which only tests read.
+    scalars; ``cover`` names sampling intervals whose grid is found by covering their domain;
+    ``refine`` says that the grid grows until the LMIs are proven on the whole domain; ``below`` is the
+    case whose optimum is a lower bound on this one's; ``stand_in`` says that the paper's data are lost;
+    ``reference`` is the known optimum, which only tests read.
     """
 
     id: str
@@ -37,10 +38,16 @@ class Case:
     given: Mapping[str, Any]
     relaxation: Relaxation
     cover: Mapping[str, Gain]
+    refine: bool
     below: str | None
     stand_in: bool
     paper_gain: Decimal | None
     reference: Decimal | None
+
+    @property
+    def library_plant(self) -> str:
+        """The plant's file as certificates name it."""
+        return self.plant.relative_to(root()).as_posix()
 
 
 @dataclass(frozen=True)
@@ -151,6 +158,7 @@ def _case(entry: Mapping[str, Any], path: Path, group: str) -> Case:
         paper=Decimal(entry["paper"]),
         given=entry.get("set", {}),
         relaxation=_relaxation(entry),
+        refine=entry.get("refine", False),
         cover={name: Gain(text) for name, text in entry.get("cover", {}).items()},
         below=f"{group}.{entry['below']}" if "below" in entry else None,
         stand_in=entry.get("stand_in", False),

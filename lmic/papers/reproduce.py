@@ -6,18 +6,21 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import StrEnum
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from lmic.assumptions import vertex_points
-from lmic.certify.certificate import Certificate
+from lmic.certify.certificate import Certificate, Standing
+from lmic.certify.refine import certify_domain
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
 from lmic.norms import frozen_gain
 from lmic.papers.cases import Case, CaseTable, Simulation
+from lmic.papers.enclosures import Enclosure, proven, stored
 from lmic.papers.signals import signal, trajectory_of
-from lmic.pipeline import Result, compile, lower_reports, run
+from lmic.pipeline import Result, compile, lower_reports, prepare, run
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
@@ -42,7 +45,8 @@ class Verdict(StrEnum):
 class Outcome:
     """A case with its result; ``frozen_norm`` is the largest over the vertices, None if not defined.
 
-    ``relaxation`` is the case's with the grids that it asked to find.
+    ``relaxation`` is the case's with the grids that it asked to find; ``enclosure`` is what is proven,
+    and ``certificate`` the proof where the case was solved together with one.
     """
 
     case: Case
@@ -51,6 +55,8 @@ class Outcome:
     value: float
     verdict: Verdict
     frozen_norm: float | None
+    enclosure: Enclosure | None
+    certificate: Certificate | None = None
 
     def record(self) -> dict[str, Any]:
         """The outcome as plain data."""
@@ -66,33 +72,51 @@ class Outcome:
             "soundness": self.result.problem.soundness.value,
             "verdict": self.verdict.value,
             "frozen_norm": self.frozen_norm,
+            "lower": _float(self.enclosure.lower if self.enclosure else None),
+            "upper": _float(self.enclosure.upper if self.enclosure else None),
+            "standing": (self.enclosure.standing if self.enclosure else Standing.NUMERICAL).value,
             "warnings": list(solution.warnings),
             "seconds": round(self.result.seconds, 3),
         }
+
+
+def _float(value: Fraction | None) -> float | None:
+    return None if value is None else float(value)
 
 
 def reproduce(table: CaseTable) -> Iterator[Outcome]:
     """Solve the cases of a table one after another; a lower bound stands before what it bounds."""
     bounds: dict[str, float] = {}
     for case in table.cases:
-        plant = read_plant(case.plant)
-        covered = {name: cover(plant, gain, name).grid for name, gain in case.cover.items()}
-        relaxation = replace(case.relaxation, grid={**case.relaxation.grid, **covered})
-        problem = compile(theorem(case.theorem), plant, case.given, relaxation=relaxation)
-        result = run(problem)
+        result, relaxation, certificate = _solved(case)
+        enclosure = proven(certificate, case) if certificate else stored(case)
         value = result.reports.get(case.report, float("nan"))
         trusted = result.solution.trusted
         if trusted:
             bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
+        if enclosure and enclosure.lower is not None:
+            bounds[case.id] = float(enclosure.lower)
         found = verdict(case, value, trusted, bounds)
-        yield Outcome(case, relaxation, result, value, found, _frozen_norm(relaxation, result))
+        norm = _frozen_norm(relaxation, result)
+        yield Outcome(case, relaxation, result, value, found, norm, enclosure, certificate)
+
+
+def _solved(case: Case) -> tuple[Result, Relaxation, Certificate | None]:
+    """The result, the relaxation with the grids that were found, and the proof where it was asked for."""
+    plant, statement = read_plant(case.plant), theorem(case.theorem)
+    covered = {name: cover(plant, gain, name).grid for name, gain in case.cover.items()}
+    relaxation = replace(case.relaxation, grid={**case.relaxation.grid, **covered})
+    if case.refine:
+        refined = certify_domain(prepare(statement, plant), relaxation, case.given)
+        return refined.result, refined.relaxation, refined.certificate
+    return run(compile(statement, plant, case.given, relaxation=relaxation)), relaxation, None
 
 
 def certified(outcome: Outcome) -> Certificate:
     """What is proven of a case's number."""
     from lmic.certify.certify import certify
 
-    return certify(outcome.result, outcome.relaxation, outcome.case.given)
+    return outcome.certificate or certify(outcome.result, outcome.relaxation, outcome.case.given)
 
 
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:
