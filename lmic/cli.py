@@ -267,7 +267,7 @@ def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) 
     type=click.Path(path_type=Path),
     default=Path("reports"),
     show_default=True,
-    help="Folder for the figures.",
+    help="Folder for the figures and the report.",
 )
 @click.option(
     "--certify",
@@ -277,8 +277,11 @@ def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) 
 )
 @JSON
 def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_json: bool) -> None:
-    """Regenerate the papers' tables and figures (all, or by the beginning of their ids)."""
+    """Regenerate the papers' tables and figures (all, or by the beginning of their ids), and one report."""
+    from time import perf_counter
+
     from lmic import reporting, terminal
+    from lmic.pages.report import Reproduction, write_report
     from lmic.papers.cases import select
     from lmic.papers.figures import draw, draw_responses
     from lmic.papers.reproduce import certified, run_simulation
@@ -290,7 +293,8 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_jso
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise LmicError(f"the folder {folder} cannot be written: {error.strerror}; choose another") from error
-    records = []
+    start = perf_counter()
+    records, papers = [], []
     trusted = True
     for table in tables:
         outcomes = {}
@@ -310,12 +314,34 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_jso
         gains = reporting.achieved_gains(table, simulated, outcomes)
         records += [outcome.record() | {"achieved": gains.get(case)} for case, outcome in outcomes.items()]
         trusted &= all(outcome.result.solution.trusted for outcome in outcomes.values())
+        papers.append(Reproduction(table, outcomes, gains, figures))
         if not as_json:
             reporting.print_reproduction(table, outcomes, gains, figures)
+    written = write_report(papers, output, perf_counter() - start)
     if as_json:
         echo_json(records)
+    else:
+        click.echo(f"report: {', '.join(map(str, written))}")
     if not trusted:
         sys.exit(1)
+
+
+@main.command()
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), default=Path("site"), show_default=True, help="Folder to write."
+)
+def gallery(output: Path) -> None:
+    """Write a page for every theorem of the library, and an index."""
+    from lmic import library, terminal
+    from lmic.pages.gallery import write_gallery
+
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LmicError(f"the folder {output} cannot be written: {error.strerror}; choose another with -o") from error
+    with terminal.progress(len(library.names()), "gallery") as advance:
+        index = write_gallery(output, advance)
+    click.echo(str(index))
 
 
 def echo_json(data: Any) -> None:

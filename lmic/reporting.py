@@ -285,6 +285,9 @@ def print_design(result: Result) -> None:
 # Reproductions -----------------------------------------------------------------------------------------
 
 
+REPRODUCTION_COLUMNS = ("case", "paper", "lmic", "difference", "verdict", "proven", "frozen H∞", "achieved (paper)")
+
+
 def achieved_gains(
     cases: CaseTable, simulated: Sequence[Mapping[str, Trajectory]], outcomes: Mapping[str, Outcome]
 ) -> dict[str, float]:
@@ -306,10 +309,9 @@ def print_reproduction(
     for outcome in outcomes.values():
         by_table.setdefault(outcome.case.table, []).append(outcome)
     for name, rows in by_table.items():
-        columns = ("case", "paper", "lmic", "difference", "verdict", "proven", "frozen H∞", "achieved (paper)")
-        shown = table(*columns, title=f"{cases.paper}, {name}")
+        shown = table(*REPRODUCTION_COLUMNS, title=f"{cases.paper}, {name}")
         for outcome in rows:
-            shown.add_row(*_reproduction_row(outcome, gains.get(outcome.case.id)))
+            shown.add_row(*reproduction_row(outcome, gains.get(outcome.case.id)))
         out.print(shown)
         for outcome in rows:
             for warning in outcome.result.solution.warnings:
@@ -326,7 +328,8 @@ def _proven(enclosure: Enclosure | None) -> str:
     return f"{enclosure} ({enclosure.standing})"
 
 
-def _reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
+def reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
+    """The cells of a case under :data:`REPRODUCTION_COLUMNS`; ``gain`` is what its simulation achieved."""
     case, paper = outcome.case, float(outcome.case.paper)
     printed = f" ({case.paper_gain})" if case.paper_gain is not None else ""
     return [
