@@ -322,6 +322,14 @@ def print_reproduction(
         out.print(f"figure: {path}", soft_wrap=True)
 
 
+def _difference(outcome: Outcome) -> str:
+    """Relative to the paper's value, where the two are comparable."""
+    case = outcome.case
+    if case.paper is None or case.stand_in or case.paper.is_infinite():
+        return ""
+    return f"{outcome.value / float(case.paper) - 1:+.2%}"
+
+
 def _proven(enclosure: Enclosure | None) -> str:
     if enclosure is None:
         return "numerical"
@@ -330,13 +338,13 @@ def _proven(enclosure: Enclosure | None) -> str:
 
 def reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
     """The cells of a case under :data:`REPRODUCTION_COLUMNS`; ``gain`` is what its simulation achieved."""
-    case, paper = outcome.case, float(outcome.case.paper)
+    case = outcome.case
     printed = f" ({case.paper_gain})" if case.paper_gain is not None else ""
     return [
         case.what,
-        "∞" if case.paper.is_infinite() else str(case.paper),
+        "" if case.paper is None else "∞" if case.paper.is_infinite() else str(case.paper),
         f"{outcome.value:.7g}",
-        "" if case.stand_in or case.paper.is_infinite() else f"{(outcome.value - paper) / paper:+.2%}",
+        _difference(outcome),
         outcome.verdict.value,
         _proven(outcome.enclosure),
         "" if outcome.frozen_norm is None else f"{outcome.frozen_norm:.4g}",

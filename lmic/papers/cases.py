@@ -21,7 +21,8 @@ from lmic.sampling import Gain
 class Case:
     """One number of a paper.
 
-    ``paper`` is the value as printed and ``paper_gain`` the gain it simulated; ``given`` are the
+    ``paper`` is the value as printed, None for a case that the paper does not have, and ``paper_gain`` the gain it
+    simulated; ``given`` are the
     scalars; ``cover`` names sampling intervals whose grid is found by covering their domain;
     ``refine`` says that the grid grows until the LMIs are proven on the whole domain; ``below`` is the
     case whose optimum is a lower bound on this one's; ``stand_in`` says that the paper's data are lost;
@@ -34,7 +35,7 @@ class Case:
     theorem: str
     plant: Path
     report: str
-    paper: Decimal
+    paper: Decimal | None
     given: Mapping[str, Any]
     relaxation: Relaxation
     cover: Mapping[str, Gain]
@@ -155,7 +156,7 @@ def _case(entry: Mapping[str, Any], path: Path, group: str) -> Case:
         theorem=f"{group}.{entry['theorem']}",
         plant=path.parent / entry["plant"],
         report=entry["report"],
-        paper=Decimal(entry["paper"]),
+        paper=Decimal(entry["paper"]) if "paper" in entry else None,
         given=entry.get("set", {}),
         relaxation=_relaxation(entry),
         refine=entry.get("refine", False),

@@ -38,6 +38,7 @@ class Verdict(StrEnum):
     WORSE = "not reached"
     REFUTED = "refuted for the printed data"
     STAND_IN = "data lost, stand-in"
+    ADDED = "not in the paper"
     UNTRUSTED = "not to be trusted"
 
 
@@ -63,7 +64,7 @@ class Outcome:
         solution = self.result.solution
         return {
             "id": self.case.id,
-            "paper": float(self.case.paper),
+            "paper": None if self.case.paper is None else float(self.case.paper),
             "value": self.value,
             "violation": solution.violation,
             "relative_violation": solution.relative_violation,
@@ -129,6 +130,8 @@ def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]
         return Verdict.UNTRUSTED
     if case.stand_in:
         return Verdict.STAND_IN
+    if case.paper is None:
+        return Verdict.ADDED
     if case.paper.is_infinite():
         return Verdict.BETTER
     half_unit = Decimal(1).scaleb(int(case.paper.as_tuple().exponent)) / 2
