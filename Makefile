@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: certificates reproduce test test-all lint bench clean
+.PHONY: certificates gallery reproduce test test-all lint bench clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/lmic reproduce
@@ -19,19 +19,25 @@ lint: $(VENV)/installed-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+gallery: $(VENV)/installed
+	$(BIN)/lmic gallery
+
 bench: $(VENV)/installed
 	$(BIN)/python benchmarks/compile.py
 
+CERTIFIED := peixoto2025 $(foreach norm,hinf l2linf,wu2007.table1.$(norm).point wu2007.table1.$(norm).box) \
+    mustafa.example1.whole mustafa.example2.whole chen2006.no_delay chen2006.example2 chen2006.nft.hinf
+
 # the enclosures behind the papers' tables, which the tests prove anew
 certificates: $(VENV)/installed
-	$(BIN)/lmic reproduce peixoto2025 wu2007.table1.hinf.point wu2007.table1.l2linf.point --certify certificates
+	$(BIN)/lmic reproduce $(CERTIFIED) --certify certificates
 	for theorem in theorem1 corollary1; do for eps in 1 10 50 1000; do \
 	    $(BIN)/lmic solve peixoto2025.$$theorem --plant theorems/peixoto2025/example1.toml --set eps=$$eps \
 	        --certify certificates/peixoto2025.$$theorem.eps$$eps.json || exit 1; \
 	done; done
 
 clean:
-	rm -rf $(VENV) build dist reports .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) build dist reports site .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

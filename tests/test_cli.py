@@ -286,6 +286,8 @@ def test_reproduce_as_a_table(folder: Path) -> None:
     for word in ("Table 1", "1.21", "1.213769", "8.18", "8.171544", "reproduced", "lmic better"):
         assert word in shown.stdout
     assert {path.name for path in (folder / "figures").iterdir()} == {
+        "index.html",
+        "index.md",
         "peixoto2025.figure1.png",
         "peixoto2025.figure2.png",
     }

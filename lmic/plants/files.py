@@ -17,10 +17,29 @@ A text file (JSON has the same structure)::
     C = [[1, 0]]
     Phi = { exponential = "F", time = "h" }         # exp(h F), F constant
     Gamma = { exponential = "F", time = "h", input = "G" }     # the integral of exp(s F) G over s from 0 to h
+    D = [[0, 0]]
+    [fractional]                                    # optional: A, ..., D made affine in alpha by an uncertainty
+    model = "nft"                                   # or "lft"
+    system = [
+        ["A",       "B",   "B_Delta"],
+        ["C",       "D",   "D_Delta"],
+        ["C_Delta", "D_z", "D_Delta_z"],
+    ]
+    delta = "Delta"
 
 Vertices belong to the only simplex, or to the one that ``parameter = "alpha"`` beside them names;
 their entries are numbers and expressions in the scalars. A decimal is the rational that it is
 written as: 0.1 is 1/10.
+
+``system`` names the matrices of the plant's equations (rows) and signals (columns), which are
+polynomials in a simplex's components, the only simplex's or that of ``parameter``. The last row,
+the last column and ``delta`` name what is made: in the example, and with x⁺ = A x + B w,
+
+    x⁺ = A x + B w + B_Delta w_Δ,   y = C x + D w + D_Delta w_Δ,
+    z_Δ = C_Delta x + D_z w + D_Delta_z w_Δ,   w_Δ = Delta z_Δ
+
+equals the polynomial plant, and A, ..., D keep what does not pass through Delta: the part that is
+constant (lft) or affine (nft). See lmic/plants/fractional.py.
 
 An array file holds its matrices by name: two-dimensional ones are constant, three-dimensional ones
 are vertices, which the first axis counts in .npz and the last, as in A(:,:,i), in .mat. The texts
@@ -42,6 +61,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -53,6 +73,7 @@ from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.errors import DomainError, PlantError
 from lmic.functions import exponential
 from lmic.plants.expressions import RESERVED, decimal, parse, quoted, size
+from lmic.plants.fractional import FractionalForm, fractional_plant
 from lmic.plants.matlab import read_arrays
 from lmic.plants.plant import Plant, exact_number, vertex_polynomial
 from lmic.polynomials import MatrixPolynomial
@@ -170,7 +191,7 @@ def _object_without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def plant_of_tables(document: Any, stem: str) -> Plant:
     """The plant that the tables of a text file state, called ``stem`` where they give no name."""
-    document = _table(document, {"name", "source", "parameters", "scalars", "matrices"})
+    document = _table(document, {"name", "source", "parameters", "scalars", "matrices", "fractional"})
     texts = {"name": document.get("name", stem), "source": document.get("source", "")}
     for key, text in texts.items():
         if type(text) is not str:
@@ -195,7 +216,11 @@ def plant_of_tables(document: Any, stem: str) -> Plant:
             matrices[name] = (
                 _exponential(entries[name], plant, matrices) if name in exponentials else _matrix(entries[name], plant)
             )
-    return replace(plant, matrices=matrices, exponentials={name: entries[name] for name in sorted(exponentials)})
+    plant = replace(plant, matrices=matrices, exponentials={name: entries[name] for name in sorted(exponentials)})
+    if "fractional" not in document:
+        return plant
+    with _at("fractional"):
+        return _fractional(document["fractional"], plant)
 
 
 def _table(entry: Any, keys: set[str]) -> dict[str, Any]:
@@ -326,16 +351,33 @@ def _constant(name: Any, known: Mapping[str, MatrixPolynomial]) -> Array:
     return np.asarray(known[name].coefficients[0])
 
 
-def _simplex(name: Any, domains: Mapping[str, Domain]) -> Domain:
-    """The simplex of that name, or the only one."""
+def _simplex(name: Any, domains: Mapping[str, Domain], what: str = "has vertices") -> SimplexDomain:
+    """The simplex of that name, or the only one, for an entry that ``what`` describes."""
     simplexes = {key: domain for key, domain in domains.items() if isinstance(domain, SimplexDomain)}
     if name is None and len(simplexes) == 1:
         (domain,) = simplexes.values()
         return domain
     if not isinstance(name, str) or name not in simplexes:
         known = ", ".join(simplexes) or "a simplex that [parameters] must state first"
-        raise PlantError(f"has vertices without a simplex; add parameter = one of: {known}")
+        raise PlantError(f"{what} without a simplex; add parameter = one of: {known}")
     return simplexes[name]
+
+
+def _fractional(entry: Any, plant: Plant) -> Plant:
+    """The plant's NFT or LFT model."""
+    entry = _table(entry, {"model", "system", "delta", "parameter"})
+    missing = sorted({"model", "system", "delta"} - set(entry))
+    if missing:
+        raise PlantError(f"the key {missing[0]} is missing; give model, system and delta")
+    model, system, delta = entry["model"], entry["system"], entry["delta"]
+    if not isinstance(system, list) or not all(isinstance(row, list) for row in system):
+        raise PlantError(f"system is {quoted(system)}; give a list of rows of names of matrices")
+    for name in (model, delta, *chain(*system)):
+        if type(name) is not str:
+            raise PlantError(f"{quoted(name)} is not a name; give texts in quotation marks")
+    simplex = _simplex(entry.get("parameter"), plant.domains, "has polynomials")
+    names = tuple(tuple(_name(name) for name in row) for row in system)
+    return fractional_plant(plant, FractionalForm(model, names, _name(delta)), simplex)
 
 
 def _entries(rows: Any, symbols: Mapping[str, sp.Symbol]) -> Array:
