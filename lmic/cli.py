@@ -273,7 +273,7 @@ def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) 
     "--certify",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Prove an enclosure of every number, and write the certificates to a folder.",
+    help="Prove an enclosure of every number anew, and write the certificates to a folder.",
 )
 @JSON
 def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_json: bool) -> None:
@@ -284,8 +284,8 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_jso
     from lmic.pages.report import Reproduction, write_report
     from lmic.papers.cases import select
     from lmic.papers.figures import draw, draw_responses
-    from lmic.papers.reproduce import certified, run_simulation
     from lmic.papers.reproduce import reproduce as run_table
+    from lmic.papers.reproduce import run_simulation
 
     tables = select(names)
     for folder in filter(None, (output, certify)):
@@ -299,10 +299,10 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_jso
     for table in tables:
         outcomes = {}
         with terminal.progress(len(table.cases), table.paper, quiet=as_json) as advance:
-            for outcome in run_table(table):
+            for outcome in run_table(table, fresh=bool(certify)):
                 outcomes[outcome.case.id] = outcome
-                if certify:
-                    certified(outcome).write(certify / f"{outcome.case.id}.json")
+                if certify and outcome.enclosure and outcome.certificate:
+                    outcome.certificate.write(certify / f"{outcome.case.id}.json")
                 advance(outcome.case.what)
         simulated = [run_simulation(simulation, outcomes) for simulation in table.simulations]
         figures = [

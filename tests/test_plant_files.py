@@ -255,7 +255,7 @@ def refused(path: Path, *parts: str) -> None:
 @pytest.mark.parametrize(
     ("tables", "parts"),
     [
-        ({"matrix": {}}, ["the key 'matrix' means nothing here; the keys are matrices, name"]),
+        ({"matrix": {}}, ["the key 'matrix' means nothing here; the keys are fractional, matrices, name"]),
         ({"name": 3}, ["name is 3; give a text"]),
         ({"source": ["a"]}, ["source is ['a']; give a text"]),
         ({"matrices": {}}, ["states no matrix"]),

@@ -13,6 +13,7 @@ import numpy as np
 
 from lmic.assumptions import vertex_points
 from lmic.certify.certificate import Certificate, Standing
+from lmic.certify.certify import certify
 from lmic.certify.refine import certify_domain
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
@@ -47,7 +48,7 @@ class Outcome:
     """A case with its result; ``frozen_norm`` is the largest over the vertices, None if not defined.
 
     ``relaxation`` is the case's with the grids that it asked to find; ``enclosure`` is what is proven,
-    and ``certificate`` the proof where the case was solved together with one.
+    and ``certificate`` the proof where it was made together with the solution.
     """
 
     case: Case
@@ -85,12 +86,21 @@ def _float(value: Fraction | None) -> float | None:
     return None if value is None else float(value)
 
 
-def reproduce(table: CaseTable) -> Iterator[Outcome]:
-    """Solve the cases of a table one after another; a lower bound stands before what it bounds."""
+def reproduce(table: CaseTable, fresh: bool = False) -> Iterator[Outcome]:
+    """Solve the cases of a table one after another; a lower bound stands before what it bounds.
+
+    Enclosures come from the library's certificates, or are proven ``fresh``. Raises CertificateError
+    where a certificate does not hold.
+    """
     bounds: dict[str, float] = {}
     for case in table.cases:
         result, relaxation, certificate = _solved(case)
-        enclosure = proven(certificate, case) if certificate else stored(case)
+        if fresh and not certificate:
+            certificate = certify(result, relaxation, case.given)
+        if certificate:
+            enclosure = proven(certificate, case) if certificate.upper or certificate.lower else None
+        else:
+            enclosure = stored(case)
         value = result.reports.get(case.report, float("nan"))
         trusted = result.solution.trusted
         if trusted:
@@ -111,13 +121,6 @@ def _solved(case: Case) -> tuple[Result, Relaxation, Certificate | None]:
         refined = certify_domain(prepare(statement, plant), relaxation, case.given)
         return refined.result, refined.relaxation, refined.certificate
     return run(compile(statement, plant, case.given, relaxation=relaxation)), relaxation, None
-
-
-def certified(outcome: Outcome) -> Certificate:
-    """What is proven of a case's number."""
-    from lmic.certify.certify import certify
-
-    return outcome.certificate or certify(outcome.result, outcome.relaxation, outcome.case.given)
 
 
 def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:

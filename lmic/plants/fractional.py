@@ -184,7 +184,7 @@ def _spelled(name: str, matrix: MatrixPolynomial, simplex: SimplexDomain, degree
     columns = sorted((column for column, atom in enumerate(atoms) if atom in letter), key=lambda c: letter[atoms[c]])
     rest, words = exponents.copy(), []
     for m, powers in enumerate(exponents[:, columns]):
-        spelling = np.repeat(columns, powers)
+        spelling = np.repeat(np.array(columns, dtype=int), powers)
         length = max(len(spelling) - degree, 0)
         np.subtract.at(rest[m], spelling[:length], 1)
         words.append(tuple(letter[atoms[column]] for column in spelling[:length]))
