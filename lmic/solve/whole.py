@@ -14,7 +14,7 @@ from lmic.assemble import ConicProblem
 from lmic.solve import scaling
 from lmic.solve.cone import ConeAnswer, ConeData, ConeSolver, Status
 from lmic.solve.lineality import lineality
-from lmic.solve.solution import ABSOLUTE, Pass, Solution
+from lmic.solve.solution import ABSOLUTE, TRUSTED_UNCERTAINTY, Pass, Solution
 
 Array: TypeAlias = NDArray[Any]
 
@@ -213,7 +213,10 @@ def _retreat(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidat
         answer = solver(replace(scaled, offset=scaled.offset - margin))
         found.append(_candidate(data, scaled, transform, replace(answer, s=answer.s + margin)))
         share *= RETREAT
-    return _best(found), tuple(one.step for one in found)
+    last = found[-1]
+    # a point inside the cones is worth more than the digits that the margin costs
+    inside = last.step.violation <= SETTLED and last.step.uncertainty <= TRUSTED_UNCERTAINTY
+    return last if inside else _best(found), tuple(one.step for one in found)
 
 
 def _is_ray(data: ConeData, direction: Array) -> bool:
