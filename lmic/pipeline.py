@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from lmic.assemble import ConicProblem, assemble
@@ -108,16 +109,15 @@ def reports(design: Design) -> dict[str, float]:
 
 
 def lower_reports(result: Result) -> dict[str, float]:
-    """The reports that are the minimised scalar or its root, at the dual bound."""
-    minimised, design = result.theorem.minimise, result.design
-    if not isinstance(minimised, sp.Symbol):
-        return {}
-    scalars = design.scalars | {minimised.name: max(result.solution.bound, 0.0)}
-    return {
-        name: _report(design, name, expression, scalars)
-        for name, expression in result.theorem.reports.items()
-        if expression in (minimised, sp.sqrt(minimised))
-    }
+    """The reports that are what is minimised or its root, at the dual bound."""
+    minimised, bound = result.theorem.minimise, result.solution.bound
+    found = {}
+    for name, expression in result.theorem.reports.items():
+        if minimised is not None and sp.sympify(expression - minimised).is_zero:
+            found[name] = bound
+        elif minimised is not None and expression == sp.sqrt(minimised):
+            found[name] = float(np.sqrt(max(bound, 0.0)))
+    return found
 
 
 def _report(design: Design, name: str, expression: sp.Expr, scalars: Mapping[str, float]) -> float:

@@ -14,8 +14,8 @@ Array: TypeAlias = NDArray[Any]
 
 #: an objective smaller than this is compared absolutely
 ABSOLUTE = 1e-6
-#: relative uncertainty up to which an objective is a number at all: three digits
-TRUSTED_UNCERTAINTY = 1e-3
+#: relative uncertainty up to which an objective is a number at all: two digits
+TRUSTED_UNCERTAINTY = 1e-2
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Solution:
 
     @property
     def trusted(self) -> bool:
-        """Usable, and known to three digits."""
+        """Usable, and known to two digits; ``uncertainty`` and ``warnings`` say how many more."""
         return self.status.usable and self.uncertainty <= TRUSTED_UNCERTAINTY
 
 
