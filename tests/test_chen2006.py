@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -60,6 +62,68 @@ def closed_form(name: str, alpha: Any) -> tuple[Any, Any]:
     return matrix["A_1"] + matrix["B_Delta_1"] @ loop, matrix["A_2"] + matrix["B_Delta_2"] @ loop
 
 
+def exact(coefficient: Any) -> Any:
+    """A coefficient of (56) as written."""
+    return np.vectorize(lambda value: Fraction(str(value)), otypes=[object])(coefficient)
+
+
+def at_vertex(name: str, k: int) -> dict[str, Any]:
+    """The exact matrices at α = e_k."""
+    found = plant(name)
+    point = {sp.Symbol(component): int(i == k) for i, component in enumerate(found.domains["alpha"].components)}
+    matrices = {key: value.to_sympy().xreplace(point) for key, value in found.matrices.items()}
+    return {
+        key: np.array([Fraction(int(entry.p), int(entry.q)) for entry in matrix], dtype=object).reshape(matrix.shape)
+        for key, matrix in matrices.items()
+    }
+
+
+@pytest.mark.parametrize("k", range(3))
+def test_the_nft_model_of_example_1_is_the_printed_one(k: int) -> None:
+    """(57)-(59), vertex k: Γ_{3+k} stands in block k."""
+    built, block = at_vertex("example1_nft", k), slice(2 * k, 2 * k + 2)
+    for i, coefficients in ((1, GAMMA), (2, UPSILON)):
+        entering = np.zeros((2, 6), dtype=object)
+        entering[:, block] = exact(coefficients[4 + k])
+        assert (built[f"A_{i}"] == exact(coefficients[0]) + exact(coefficients[1 + k])).all()
+        assert (built[f"B_Delta_{i}"] == entering).all()
+    assert (built["Delta"] == np.kron(np.diag(np.eye(3)[k]), np.eye(2))).all()
+    assert (built["C_Delta"] == np.vstack([np.eye(2)] * 3)).all()
+    assert built["D_Delta_z"].shape == (6, 6)
+    assert built["D_z"].shape == (6, 1)
+    assert built["D_Delta"].shape == (1, 6)
+    assert not any(built[name].any() for name in ("D_Delta_z", "D_z", "D_Delta"))
+
+
+@pytest.mark.parametrize("k", range(3))
+def test_the_lft_model_of_example_1_is_the_printed_one_in_other_coordinates(k: int) -> None:
+    """(60)-(62): for each α_k the columns [Γ_{3+k}, Γ_k − Γ_{3+k}], C_Δ = [I; I] and D_Δz = [[0, I], [0, 0]].
+
+    With w_Δ = (α_k x, α_k² x) of the built model, the printed one has T w_Δ = (α_k x + α_k² x, α_k x).
+    """
+    built, eye = at_vertex("example1_lft", k), np.eye(2, dtype=int)
+    T, T_inverse = (np.kron(np.eye(3, dtype=int), np.kron(t, eye)) for t in ([[1, 1], [1, 0]], [[0, 1], [1, -1]]))
+    assert (T @ T_inverse == np.eye(12)).all()
+    assert (built["Delta"] == np.kron(np.diag(np.eye(3)[k]), np.eye(4))).all()
+    assert (T @ built["Delta"] == built["Delta"] @ T).all()
+    for i, coefficients in ((1, GAMMA), (2, UPSILON)):
+        linear, squared = (np.array([exact(c) for c in part]) for part in (coefficients[1:4], coefficients[4:]))
+        printed = np.hstack([np.hstack(pair) for pair in zip(squared, linear - squared, strict=True)])
+        assert (built[f"A_{i}"] == exact(coefficients[0])).all()
+        assert (built[f"B_Delta_{i}"] @ T_inverse == printed).all()
+    assert (T @ built["C_Delta"] == np.vstack([eye] * 6)).all()
+    assert (T @ built["D_Delta_z"] @ T_inverse == np.kron(np.eye(3), np.kron([[0, 1], [0, 0]], eye))).all()
+    assert not built["D_z"].any()
+    assert not built["D_Delta"].any()
+
+
+def test_the_nft_and_lft_files_state_one_plant() -> None:
+    stated = [tomllib.loads((root() / "chen2006" / f"example1_{model}.toml").read_text()) for model in ("nft", "lft")]
+    assert stated[0]["matrices"] == stated[1]["matrices"]
+    assert [document["fractional"].pop("model") for document in stated] == ["nft", "lft"]
+    assert stated[0]["fractional"] == stated[1]["fractional"]
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("model", ["example1_nft", "example1_lft"])
 def test_example_1_models_are_the_polynomial(model: str, seed: int) -> None:
@@ -77,13 +141,15 @@ def test_without_delta_the_squares_are_gone(seed: int) -> None:
     np.testing.assert_allclose(second, polynomial(UPSILON[:4] + [np.zeros((2, 2))] * 3, alpha), atol=1e-14)
 
 
-def test_the_models_of_example_1_differ_in_nothing_else() -> None:
-    """B_i, C, D and L are common; without delay A_di is zero."""
-    nft, lft, no_delay = (plant(f"example1_{model}").matrices for model in ("nft", "lft", "no_delay"))
+def test_without_delay_nothing_else_differs() -> None:
+    """B_i, C, D and L are common, A_di is zero, and one channel of zeros stands for Δ."""
+    nft, no_delay = (plant(f"example1_{model}").matrices for model in ("nft", "no_delay"))
     for name in ("A_d1", "A_d2", "B_1", "B_2", "C", "D", "L"):
-        assert (nft[name].coefficients == lft[name].coefficients).all()
         expected = 0 * nft[name].coefficients if name.startswith("A_d") else nft[name].coefficients
         assert (no_delay[name].coefficients == expected).all()
+    assert no_delay["Delta"].shape == (1, 1)
+    for name in ("Delta", "B_Delta_1", "B_Delta_2", "D_Delta", "C_Delta", "D_Delta_z", "D_z"):
+        assert not no_delay[name].coefficients.any()
 
 
 @pytest.mark.parametrize("seed", range(5))

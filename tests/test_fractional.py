@@ -1,8 +1,10 @@
-"""NFT and LFT models: the closed form is the polynomial, exactly; the printed models come out."""
+"""NFT and LFT models: the closed form is the polynomial, exactly, and Δ has no more channels than it needs."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
+from math import isqrt
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +13,10 @@ import pytest
 import sympy as sp
 from flint import fmpq, fmpq_mat
 
-from lmic.domains import SimplexDomain
+from lmic.domains import BoxDomain, SimplexDomain
 from lmic.errors import PlantError
-from lmic.library import root
 from lmic.plants.files import read_plant
-from lmic.plants.fractional import FractionalForm, fractional_plant
+from lmic.plants.fractional import MAX_CHANNELS, MAX_COEFFICIENTS, FractionalForm, fractional_plant
 from lmic.plants.plant import Plant
 from lmic.polynomials import MatrixPolynomial
 from lmic.relax.polya import homogeneous_exponents
@@ -94,45 +95,95 @@ def test_the_closed_form_is_the_polynomial(model: str, vertices: int, degree: in
         assert closed_form(built, NAMES, point) == flint(expected)
 
 
-def library_plant(name: str) -> Plant:
-    return read_plant(root() / "chen2006" / f"{name}.toml")
+def rows_plant(vertices: int, **matrices: Any) -> Plant:
+    """A plant of rows of expressions on the simplex alpha."""
+    polynomials = {name: MatrixPolynomial.from_sympy(sp.Matrix(rows)) for name, rows in matrices.items()}
+    return Plant(polynomials, {"alpha": SimplexDomain.named("alpha", vertices)})
 
 
-def vertex(plant: Plant, name: str, number: int) -> Any:
-    symbols = [sp.Symbol(component) for component in plant.domains["alpha"].components]
-    return at(plant.matrices[name], {s: Fraction(int(k == number)) for k, s in enumerate(symbols)}).astype(float)
+SMALL = (("A", "E"), ("F", "H"))
 
 
-# (56): the squares' coefficients Γ_4, Γ_5, Γ_6 and the vertices Γ_0 + Γ_j
-SQUARES = [[[0.02, 0.06], [0.01, 0]], [[0.05, 0], [0.01, 0.08]], [[0.02, 0.05], [0.01, 0.06]]]
-CORNERS = [[[0.02, 0.2], [0, 0.16]], [[-0.02, 0.2], [0, 0.16]], [[0, 0.2], [0, 0.16]]]
+def shown(plant: Plant, model: str, system: tuple[tuple[str, ...], ...] = SMALL) -> dict[str, sp.Matrix]:
+    """The matrices of the model as expressions."""
+    simplex = plant.domains["alpha"]
+    assert isinstance(simplex, SimplexDomain)
+    built = fractional_plant(plant, FractionalForm(model, system, "Delta"), simplex)
+    return {name: matrix.to_sympy() for name, matrix in built.matrices.items()}
 
 
-def test_the_nft_model_is_the_printed_one() -> None:
-    """(57)-(59): at vertex j, A_1 = Γ_0 + Γ_j, block j of B_Δ1 is Γ_{3+j}, and Δ = e_j e_jᵀ ⊗ I."""
-    plant = library_plant("example1_nft")
-    for j in range(3):
-        np.testing.assert_allclose(vertex(plant, "A_1", j), CORNERS[j], atol=1e-15)
-        entering = np.zeros((2, 6))
-        entering[:, 2 * j : 2 * j + 2] = SQUARES[j]
-        np.testing.assert_allclose(vertex(plant, "B_Delta_1", j), entering, atol=1e-15)
-        np.testing.assert_allclose(vertex(plant, "Delta", j), np.kron(np.diag(np.eye(3)[j]), np.eye(2)))
-    np.testing.assert_allclose(vertex(plant, "C_Delta", 0), np.tile(np.eye(2), (3, 1)))
-    assert not vertex(plant, "D_Delta_z", 0).any()
+def test_monomials_share_their_prefixes() -> None:
+    """In the NFT model α1² α2, α1² α3 and α1² need the words 1 and 11; in the LFT model 112, 113 and 3 as well."""
+    plant = rows_plant(3, A=[["alpha1**2*alpha2 + 5*alpha1**2*alpha3 - alpha1**2 + 2*alpha3 + 7"]])
+    one, two, three = sp.symbols("alpha1:4")
+    nft, lft = shown(plant, "nft"), shown(plant, "lft")
+    assert nft["A"] == sp.Matrix([[7 + 2 * three]])
+    assert nft["E"] == sp.Matrix([[-one, two + 5 * three]])
+    assert nft["Delta"] == sp.diag(one, one)
+    assert nft["F"] == sp.Matrix([1, 0])
+    assert nft["H"] == sp.Matrix([[0, 0], [1, 0]])
+    assert lft["A"] == sp.Matrix([[7]])
+    assert lft["E"] == sp.Matrix([[0, -1, 1, 5, 2]])
+    assert lft["Delta"] == sp.diag(one, one, two, three, three)
+    assert lft["F"] == sp.Matrix([1, 0, 0, 0, 1])
 
 
-def test_the_lft_model_has_the_printed_size() -> None:
-    """(60)-(62): two blocks of two channels for each of α_1, α_2, α_3."""
-    plant = library_plant("example1_lft")
-    assert plant.matrices["Delta"].shape == (12, 12)
-    for name in ("A_1", "A_2", "B_Delta_1", "B_Delta_2"):
-        assert not plant.matrices[name].monomials.atoms
+def test_only_the_signals_that_need_channels_take_them() -> None:
+    """A state of three that enters linearly, and a disturbance of two that enters by a square."""
+    plant = rows_plant(2, A=sp.eye(3) * sp.Symbol("alpha1"), B=[[0, 0], [0, "alpha1**2"], [0, 0]])
+    built = shown(plant, "nft", (("A", "B", "E"), ("F", "G", "H")))
+    assert built["Delta"] == sp.eye(2) * sp.Symbol("alpha1")
+    assert built["E"] == sp.Matrix([[0, 0], [0, "alpha1"], [0, 0]])
+    assert built["F"] == sp.zeros(2, 3)
+    assert built["G"] == sp.eye(2)
 
 
-def test_an_affine_plant_keeps_one_channel_of_zeros() -> None:
-    plant = library_plant("example1_no_delay")
-    assert plant.matrices["Delta"].shape == (1, 1)
-    assert not (plant.matrices["Delta"].coefficients != 0).any()
+def test_components_beyond_the_ninth_are_in_order() -> None:
+    plant = rows_plant(11, A=[["alpha2*alpha10 + 3*alpha11**2"]])
+    built = shown(plant, "lft")
+    assert built["Delta"] == sp.diag(*sp.symbols("alpha2 alpha10 alpha11 alpha11"))
+    assert built["E"] == sp.Matrix([[0, 1, 0, 3]])
+
+
+@pytest.mark.parametrize("model", ["nft", "lft"])
+def test_coefficients_may_depend_on_scalars_and_other_parameters(model: str) -> None:
+    entry = sp.sympify("c*alpha1**2*alpha2 + sin(rho1)*alpha2**2 + rho1*alpha1 + c**2")
+    plant = rows_plant(2, A=[[entry]])
+    box = BoxDomain(("rho1",), (Fraction(-1),), (Fraction(1),))
+    built = shown(replace(plant, domains={**plant.domains, "rho": box}, scalars={"c": Fraction(3)}), model)
+    delta = built["Delta"]
+    loop = built["E"] * delta * (sp.eye(delta.rows) - built["H"] * delta).inv() * built["F"]
+    assert sp.expand((built["A"] + loop)[0] - entry) == 0
+    assert {str(s) for s in built["E"].free_symbols} >= {"c", "rho1"}
+
+
+@pytest.mark.parametrize(("model", "entry"), [("nft", "1 + 2*alpha1"), ("nft", "0"), ("lft", "1"), ("lft", "0")])
+def test_one_channel_of_zeros_stands_for_no_uncertainty(model: str, entry: str) -> None:
+    built = shown(rows_plant(2, A=[[entry]]), model)
+    assert built["A"] == sp.Matrix([[entry]])
+    assert all(built[name] == sp.zeros(1, 1) for name in ("E", "F", "H", "Delta"))
+
+
+def test_a_vertex_of_zeros_takes_no_channel() -> None:
+    assert shown(Plant.polytopic(A=[[[0]], [[2]], [[0]]]), "lft")["Delta"] == sp.Matrix([["alpha2"]])
+
+
+def test_too_many_channels_are_refused() -> None:
+    most, more = (sp.Matrix([sum(sp.symbols(f"alpha1:{count + 1}"))]) for count in (MAX_CHANNELS, MAX_CHANNELS + 1))
+    assert shown(rows_plant(MAX_CHANNELS, A=most), "lft")["Delta"].shape == (MAX_CHANNELS, MAX_CHANNELS)
+    with pytest.raises(PlantError, match=f"Δ would have {MAX_CHANNELS + 1} channels.* keep to {MAX_CHANNELS} by"):
+        shown(rows_plant(MAX_CHANNELS + 1, A=more), "lft")
+
+
+def test_too_many_coefficients_are_refused_before_they_are_made() -> None:
+    """As many rows as powers of c, beside a monomial that fills Δ."""
+    rows = isqrt(MAX_COEFFICIENTS // MAX_CHANNELS) + 1
+    c, alpha1 = sp.symbols("c alpha1")
+    plant = rows_plant(
+        1, A=[[c**row * alpha1] for row in range(rows)], B=sp.ones(rows, 1) * alpha1 ** (MAX_CHANNELS - 1)
+    )
+    with pytest.raises(PlantError, match=f"E would have more than {MAX_COEFFICIENTS} coefficients; use fewer"):
+        shown(plant, "lft", (("A", "B", "E"), ("F", "G", "H")))
 
 
 GOOD = """[parameters.alpha]
@@ -154,9 +205,17 @@ delta = "Delta"
         ('["A", "B", "E"]', '["A", "X", "E"]', "X is no matrix of the plant"),
         ('"Delta"', '"E"', "the name E stands in 2 places"),
         ('["F", "G", "H"]', '["F", "G"]', "system is no block matrix"),
+        ('[["A", "B", "E"], ["F", "G", "H"]]', '[["A", "B", "E"]]', "system is no block matrix"),
+        ('[["A", "B", "E"], ["F", "G", "H"]]', '[["A"], ["F"]]', "system is no block matrix"),
+        ('[["A", "B", "E"], ["F", "G", "H"]]', "[]", "system is no block matrix"),
+        ('[["A", "B", "E"], ["F", "G", "H"]]', '["A", "E"]', "system is ['A', 'E']; give a list of rows"),
+        ('["F", "G", "H"]', '["F", "G", "H-1"]', "'H-1' cannot be a name"),
         ("B = [[1]]", "B = [[1], [2]]", "B has 2 rows where A"),
         ("B = [[1]]", "B = [[1]]\nE = [[1]]", "E is to be made, but the plant states it already"),
-        ('"alpha1**2"', '"sin(alpha1)"', "A is not polynomial"),
+        ('"alpha1**2"', '"sin(alpha1)"', "A is not polynomial: it holds 'sin(alpha1)'"),
+        ('"alpha1**2"', '"1/alpha2"', "A is not polynomial: it holds '1/alpha2'"),
+        ("simplex = 2", "box = { alpha1 = [0, 1] }", "fractional: has polynomials without a simplex"),
+        ('delta = "Delta"', 'delta = "Delta"\nparameter = "beta"', "without a simplex; add parameter = one of: alpha"),
         ('"alpha1**2"', '"alpha1**50"', None),
         ("delta =", "dleta =", "the key 'dleta' means nothing here"),
         ('delta = "Delta"', "", "the key delta is missing"),

@@ -571,7 +571,9 @@ values = st.recursive(
 
 @any_bytes
 @given(
-    st.fixed_dictionaries({}, optional=dict.fromkeys(("name", "source", "parameters", "scalars", "matrices"), values)),
+    st.fixed_dictionaries(
+        {}, optional=dict.fromkeys(("name", "source", "parameters", "scalars", "matrices", "fractional"), values)
+    ),
     st.booleans(),
 )
 def test_random_documents(folder: Path, tables: Mapping[str, Any], wrapped: bool) -> None:
