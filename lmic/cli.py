@@ -284,8 +284,8 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_jso
     from lmic.pages.report import Reproduction, write_report
     from lmic.papers.cases import select
     from lmic.papers.figures import draw, draw_responses
+    from lmic.papers.reproduce import Verdict, run_simulation
     from lmic.papers.reproduce import reproduce as run_table
-    from lmic.papers.reproduce import run_simulation
 
     tables = select(names)
     for folder in filter(None, (output, certify)):
@@ -313,7 +313,7 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_jso
         figures += draw_responses(table, outcomes, output)
         gains = reporting.achieved_gains(table, simulated, outcomes)
         records += [outcome.record() | {"achieved": gains.get(case)} for case, outcome in outcomes.items()]
-        trusted &= all(outcome.result.solution.trusted for outcome in outcomes.values())
+        trusted &= all(outcome.verdict is not Verdict.UNTRUSTED for outcome in outcomes.values())
         papers.append(Reproduction(table, outcomes, gains, figures))
         if not as_json:
             reporting.print_reproduction(table, outcomes, gains, figures)

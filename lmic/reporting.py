@@ -11,7 +11,7 @@ import numpy as np
 from lmic.assemble import ConicProblem
 from lmic.assumptions import vertex_points
 from lmic.certify.certificate import Certificate
-from lmic.certify.document import decimal, decimal_above, decimal_below
+from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import CaseTable
@@ -158,8 +158,8 @@ def certificate_record(certificate: Certificate) -> dict[str, Any]:
     """What a certificate proves as plain data; its exact numbers are in its file."""
     upper, lower = certificate.upper, certificate.lower
     return {
-        "lower": {name: float(value) for name, value in lower.reports.items()} if lower else {},
-        "upper": {name: float(value) for name, value in upper.reports.items()} if upper else {},
+        "lower": {name: float_below(value) for name, value in lower.reports.items()} if lower else {},
+        "upper": {name: float_above(value) for name, value in upper.reports.items()} if upper else {},
         "soundness": certificate.standing.value,
         "notes": list(certificate.notes),
     }
@@ -333,7 +333,7 @@ def _difference(outcome: Outcome) -> str:
 def _proven(enclosure: Enclosure | None) -> str:
     if enclosure is None:
         return "numerical"
-    return f"{enclosure} ({enclosure.standing})"
+    return f"{enclosure} ({'proven' if enclosure.upper is None else enclosure.standing})"
 
 
 def reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:

@@ -13,7 +13,7 @@ import pytest
 import lmic
 from lmic.library import root
 from lmic.norms import frozen_gain
-from lmic.papers.cases import case_tables
+from lmic.papers.cases import Case, case_tables
 from lmic.papers.reproduce import Verdict, reproduce, run_simulation, verdict
 from lmic.papers.signals import signal
 from lmic.recover import Design
@@ -58,6 +58,10 @@ def test_reproduction_of_s2_with_its_simulation() -> None:
         assert trajectory.gain < outcomes[case].value
 
 
+def printed_as(text: str) -> Case:
+    return next(case for table in case_tables() for case in table.cases if str(case.paper) == text)
+
+
 @pytest.mark.parametrize(
     ("value", "below", "bound", "expected"),
     [
@@ -69,10 +73,20 @@ def test_reproduction_of_s2_with_its_simulation() -> None:
     ],
 )
 def test_verdicts(value: float, below: str | None, bound: float | None, expected: Verdict) -> None:
-    case = next(case for table in case_tables() for case in table.cases if str(case.paper) == "1.21")
+    case = printed_as("1.21")
     bounds = {} if bound is None else {"point": bound}
-    assert verdict(replace(case, below=below), value, True, bounds) is expected
-    assert verdict(case, value, False, bounds) is Verdict.UNTRUSTED
+    assert verdict(replace(case, below=below), value, 0.0, bounds) is expected
+    assert verdict(case, value, float("inf"), bounds) is Verdict.UNTRUSTED
+
+
+def test_a_verdict_that_the_doubt_could_change_is_none() -> None:
+    """1.21 is reproduced by 1.213 within 1e-3; within 0.01 it may as well be missed, and 1.19 may be no better."""
+    case = printed_as("1.21")
+    assert verdict(case, 1.213, 1e-3, {}) is Verdict.REPRODUCED
+    assert verdict(case, 1.213, 1e-2, {}) is Verdict.UNTRUSTED
+    assert verdict(case, 1.19, 1e-3, {}) is Verdict.BETTER
+    assert verdict(case, 1.19, 5e-2, {}) is Verdict.UNTRUSTED
+    assert verdict(case, 1.25, 5e-2, {}) is Verdict.UNTRUSTED
 
 
 def test_frozen_gain_against_a_frequency_sweep() -> None:

@@ -21,6 +21,7 @@ from lmic import library, svec
 from lmic.certify import document
 from lmic.certify.certificate import (
     Certificate,
+    Lower,
     Standing,
     Unknown,
     checksum,
@@ -29,7 +30,8 @@ from lmic.certify.certificate import (
     text,
 )
 from lmic.certify.certify import certify, refutation
-from lmic.certify.finite import Coefficient, finite_problem
+from lmic.certify.finite import Coefficient, Functional, finite_problem
+from lmic.certify.lower import Dual, Pivot
 from lmic.certify.refine import certify_domain
 from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
@@ -37,8 +39,10 @@ from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import verify
 from lmic.cli import main
 from lmic.domains import BoxDomain
+from lmic.dsl import PD, I, Scalar, Source, Theorem
 from lmic.errors import CertificateError
 from lmic.language.parameters import instance_symbol
+from lmic.papers.enclosures import Enclosure
 from lmic.pipeline import compile, prepare, run
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
@@ -114,6 +118,40 @@ def test_a_lower_bound_is_never_above_what_is_reached(table_1: Certificate) -> N
     assert table_1.upper
     smaller = {name: value * (1 - Fraction(1, 10**7)) for name, value in table_1.upper.reports.items()}
     assert not verify(replace(table_1, upper=replace(table_1.upper, reports=smaller))).holds
+
+
+def contradiction(largest: int) -> tuple[Certificate, Theorem]:
+    """1 ≤ x ≤ ``largest``, with the dual that adds the two LMIs up: (x − 1) + (largest − x)."""
+    x = Scalar("x")
+    theorem = Theorem(
+        lmis={"low": PD([[x * I(1) - I(1)]]), "high": PD([[largest * I(1) - x * I(1)]])},
+        title="Contradiction",
+        source=Source("N. N.", "A test", "unpublished", 2026),
+        minimise=x,
+        reports={"x": x},
+    )
+    dual = Dual((fractions([[1]]), fractions([[1]])), (Pivot(0, 0, 0, 0),))
+    lower = Lower({}, (Functional("low", ()), Functional("high", ())), dual, infeasible=True)
+    unknowns = {"x": Unknown((sp.Integer(1),), ())}
+    found = Certificate("contradiction", Plant({}), "", {}, {}, {}, unknowns, None, lower, (), {})
+    return found, theorem
+
+
+def test_infeasibility_needs_a_dual_that_shows_it() -> None:
+    assert verify(*contradiction(0)).holds
+    assert verify(*contradiction(1)).reason.endswith("do not show that the LMIs have no solution")
+    certificate, theorem = contradiction(0)
+    assert certificate.lower
+    crooked = Dual((fractions([[1]]), fractions([[2]])), ())
+    assert not verify(replace(certificate, lower=replace(certificate.lower, dual=crooked)), theorem).holds
+
+
+def test_shown_ends_are_rounded_outwards() -> None:
+    ends = Enclosure(Standing.CERTIFIED, Fraction(2, 3), Fraction(2, 3), True)
+    assert str(ends) == "[0.666666666, 0.666666667]"
+    for value in (Fraction(2, 3), Fraction(-1, 10), Fraction(1, 4)):
+        assert Fraction(document.float_below(value)) <= value <= Fraction(document.float_above(value))
+    assert document.float_below(Fraction(1, 4)) == document.float_above(Fraction(1, 4)) == 0.25
 
 
 @pytest.fixture

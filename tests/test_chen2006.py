@@ -198,5 +198,5 @@ def test_the_small_cases_to_all_digits_of_their_reference(prefix: str) -> None:
 
 def test_a_solution_where_the_paper_found_none_is_better() -> None:
     (table,) = select(("chen2006.lft.mixed5",))
-    assert verdict(table.cases[0], 19.7, True, {}) is Verdict.BETTER
-    assert verdict(table.cases[0], float("nan"), False, {}) is Verdict.UNTRUSTED
+    assert verdict(table.cases[0], 19.7, 0.0, {}) is Verdict.BETTER
+    assert verdict(table.cases[0], float("nan"), float("inf"), {}) is Verdict.UNTRUSTED

@@ -14,9 +14,10 @@ from lmic.certify.domain import ProofAxis, ProofDomain, Proven, Undecided, Witne
 from lmic.certify.polytopes import joint_step, rates
 from lmic.domains import BoxDomain, Motion, SimplexDomain
 from lmic.errors import CertificateError
+from lmic.functions import exponential
 from lmic.language.parameters import Parameter
 from lmic.plants.expressions import Where
-from lmic.polynomials import MatrixPolynomial
+from lmic.polynomials import MatrixPolynomial, atom_values
 
 F, Q = Fraction, sp.Rational
 x, y = sp.symbols("x y")
@@ -135,6 +136,23 @@ def test_random_transcendental_matrices_are_never_proven_below_zero() -> None:
         column = sp.Matrix([f - f.subs(x, point) for f in generator.sample(functions, 2)])
         gram = (column * column.T).applyfunc(sp.expand) + sp.diag(0, 1)
         assert not isinstance(prove(gram, budget=20), Proven), seed
+
+
+def test_matrix_exponentials_are_enclosed() -> None:
+    """Of rotations exp(xM) is a cosine, least at cos 3; of random M it is never proven above a value it takes."""
+    interval = ProofDomain((ProofAxis((x,), ((F(0),), (F(3),))),))
+    cosine = exponential(sp.Matrix([[0, -1], [1, 0]]), x, 1, slice(0, 1))[0]
+    assert prove([[cosine + Q(1)]], interval) == Proven("balls", prove([[cosine + Q(1)]], interval).cells)
+    assert isinstance(prove([[cosine + Q(98, 100)]], interval), Witness)
+    for seed in range(50):
+        generator = random.Random(seed)
+        M = sp.Matrix(3, 3, [Q(generator.randint(-9, 9), 4) for _ in range(9)])
+        entry = exponential(M, x, 3, slice(None))[generator.randrange(9)]
+        values = atom_values(entry, {x: np.linspace(0, 1, 101)})
+        unit = 1 + np.abs(values).max()
+        least = Q(float(values.min()))
+        assert not isinstance(prove([[entry - least - Q(unit) / 10**6]], budget=200), Proven), seed
+        assert isinstance(prove([[entry - least + Q(unit) / 20]]), Proven), seed
 
 
 def test_instances_ties_and_motion_become_axes() -> None:

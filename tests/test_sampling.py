@@ -105,7 +105,7 @@ def test_an_unstable_plant_covers_nothing(tmp_path: Path) -> None:
 def test_the_examples_meet_their_references() -> None:
     (table,) = select(("mustafa",))
     outcomes = {outcome.case.id: outcome for outcome in reproduce(table)}
-    for number, digits in ((1, 1e-6), (2, 1e-4)):  # the infimum of Example 2 is not attained
+    for number, digits in ((1, 1e-7), (2, 1e-5)):  # the infimum of Example 2 is not attained
         published = outcomes[f"mustafa.example{number}.published"]
         assert published.value == pytest.approx(float(published.case.reference), rel=digits)
         assert published.frozen_norm <= published.value * (1 + 1e-9)

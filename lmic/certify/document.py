@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from math import floor, isqrt, log10
+from math import floor, inf, isqrt, log10, nextafter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -76,6 +76,17 @@ def root_below(value: Fraction, digits: int = 15) -> Fraction:
     """A decimal with about ``digits`` significant digits that is not above the root of the value."""
     unit = _unit(value, digits, 2)
     return isqrt(floor(value / unit**2)) * unit
+
+
+def float_below(value: Fraction) -> float:
+    """The greatest float that is not above the value."""
+    nearest = float(value)
+    return nearest if Fraction(nearest) <= value else nextafter(nearest, -inf)
+
+
+def float_above(value: Fraction) -> float:
+    """The least float that is not below the value."""
+    return -float_below(-value)
 
 
 def _unit(value: Fraction, digits: int, root: int = 1) -> Fraction:

@@ -7,11 +7,15 @@ from fractions import Fraction
 from pathlib import Path
 
 from lmic.certify.certificate import Certificate, Standing, read_certificate
+from lmic.certify.document import decimal, decimal_above, decimal_below
 from lmic.certify.verify import verify
 from lmic.errors import CertificateError
 from lmic.library import root
 from lmic.papers.cases import Case
 from lmic.plants.plant import exact_number
+
+#: digits of a proven end in a table, rounded outwards
+SHOWN = 9
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,8 @@ class Enclosure:
     about_theorem: bool
 
     def __str__(self) -> str:
-        lower, upper = (None if end is None else f"{float(end):.9g}" for end in (self.lower, self.upper))
+        lower = None if self.lower is None else decimal(decimal_below(self.lower, SHOWN))
+        upper = None if self.upper is None else decimal(decimal_above(self.upper, SHOWN))
         if lower and upper:
             return f"[{lower}, {upper}]"
         return f"≥ {lower}" if lower else f"≤ {upper}"

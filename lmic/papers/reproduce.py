@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import StrEnum
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from lmic.assumptions import vertex_points
 from lmic.certify.certificate import Certificate, Standing
 from lmic.certify.certify import certify
+from lmic.certify.document import float_above, float_below
 from lmic.certify.refine import certify_domain
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
@@ -29,6 +29,8 @@ from lmic.sampling import cover
 from lmic.simulate.discrete import simulate_discrete
 from lmic.simulate.plane import simulate_plane
 from lmic.simulate.trajectory import Trajectory
+from lmic.solve.solution import Solution
+from lmic.solve.whole import TRUSTED_VIOLATION
 
 
 class Verdict(StrEnum):
@@ -63,6 +65,7 @@ class Outcome:
     def record(self) -> dict[str, Any]:
         """The outcome as plain data."""
         solution = self.result.solution
+        lower, upper = (self.enclosure.lower, self.enclosure.upper) if self.enclosure else (None, None)
         return {
             "id": self.case.id,
             "paper": None if self.case.paper is None else float(self.case.paper),
@@ -74,16 +77,12 @@ class Outcome:
             "soundness": self.result.problem.soundness.value,
             "verdict": self.verdict.value,
             "frozen_norm": self.frozen_norm,
-            "lower": _float(self.enclosure.lower if self.enclosure else None),
-            "upper": _float(self.enclosure.upper if self.enclosure else None),
+            "lower": float_below(lower) if lower is not None else None,
+            "upper": float_above(upper) if upper is not None else None,
             "standing": (self.enclosure.standing if self.enclosure else Standing.NUMERICAL).value,
             "warnings": list(solution.warnings),
             "seconds": round(self.result.seconds, 3),
         }
-
-
-def _float(value: Fraction | None) -> float | None:
-    return None if value is None else float(value)
 
 
 def reproduce(table: CaseTable, fresh: bool = False) -> Iterator[Outcome]:
@@ -102,12 +101,11 @@ def reproduce(table: CaseTable, fresh: bool = False) -> Iterator[Outcome]:
         else:
             enclosure = stored(case)
         value = result.reports.get(case.report, float("nan"))
-        trusted = result.solution.trusted
-        if trusted:
+        if result.solution.trusted:
             bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
         if enclosure and enclosure.lower is not None:
             bounds[case.id] = float(enclosure.lower)
-        found = verdict(case, value, trusted, bounds)
+        found = verdict(case, value, _doubt(case, result.solution, value), bounds)
         norm = _frozen_norm(relaxation, result)
         yield Outcome(case, relaxation, result, value, found, norm, enclosure, certificate)
 
@@ -123,13 +121,25 @@ def _solved(case: Case) -> tuple[Result, Relaxation, Certificate | None]:
     return run(compile(statement, plant, case.given, relaxation=relaxation)), relaxation, None
 
 
-def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]) -> Verdict:
+def _doubt(case: Case, solution: Solution, value: float) -> float:
+    """How far the value may be from the optimum; infinite where it is no number to compare.
+
+    Where the paper found no solution any point inside the cones will do, however far from the optimum.
+    """
+    if case.paper is not None and case.paper.is_infinite():
+        inside = solution.status.usable and solution.relative_violation >= -TRUSTED_VIOLATION
+        return 0.0 if inside else float("inf")
+    return solution.uncertainty * abs(value) if solution.trusted else float("inf")
+
+
+def verdict(case: Case, value: float, doubt: float, bounds: Mapping[str, float]) -> Verdict:
     """Reproduced means: equal to the paper's value in the digits that it prints.
 
-    A paper that found no solution prints infinity. Only a lower bound on the optimum refutes:
-    ``bounds`` holds those of the dual, by case.
+    A verdict holds for every value within ``doubt`` of ``value``, or there is none. A paper that found
+    no solution prints infinity. Only a lower bound on the optimum refutes: ``bounds`` holds those that
+    are known, by case.
     """
-    if not trusted:
+    if not np.isfinite(doubt):
         return Verdict.UNTRUSTED
     if case.stand_in:
         return Verdict.STAND_IN
@@ -138,13 +148,15 @@ def verdict(case: Case, value: float, trusted: bool, bounds: Mapping[str, float]
     if case.paper.is_infinite():
         return Verdict.BETTER
     half_unit = Decimal(1).scaleb(int(case.paper.as_tuple().exponent)) / 2
-    difference = Decimal(value) - case.paper
-    if abs(difference) <= half_unit:
+    least, most = (Decimal(value) + sign * Decimal(doubt) - case.paper for sign in (-1, 1))
+    if -half_unit <= least and most <= half_unit:
         return Verdict.REPRODUCED
-    if difference < 0:
+    if most < -half_unit:
         return Verdict.BETTER
     below = bounds.get(case.below, float("-inf")) if case.below else float("-inf")
-    return Verdict.REFUTED if below > case.paper + half_unit else Verdict.WORSE
+    if below > case.paper + half_unit:
+        return Verdict.REFUTED
+    return Verdict.WORSE if least > half_unit else Verdict.UNTRUSTED
 
 
 def _frozen_norm(relaxation: Relaxation, result: Result) -> float | None:

@@ -330,7 +330,7 @@ def _exponential(entry: Any, plant: Plant, known: Mapping[str, MatrixPolynomial]
         raise PlantError('has no time; add time = "h", the component that multiplies the exponent')
     time = parse(entry["time"], components)
     if "input" not in entry:
-        return MatrixPolynomial.from_sympy(exponential(sp.Matrix(exponent), time, order, slice(None)))
+        return _entries_of(exponential(sp.Matrix(exponent), time, order, slice(None)))
     right = _constant(entry["input"], known)
     if right.shape[0] != order:
         raise PlantError(
@@ -338,7 +338,14 @@ def _exponential(entry: Any, plant: Plant, known: Mapping[str, MatrixPolynomial]
         )
     augmented = sp.zeros(order + right.shape[1])
     augmented[:order, :order], augmented[:order, order:] = sp.Matrix(exponent), sp.Matrix(right)
-    return MatrixPolynomial.from_sympy(exponential(augmented, time, order, slice(order, None)))
+    return _entries_of(exponential(augmented, time, order, slice(order, None)))
+
+
+def _entries_of(matrix: sp.Matrix) -> MatrixPolynomial:
+    """A matrix whose entries are all different functions, one coefficient matrix for each."""
+    if len(matrix) ** 2 > MAX_COEFFICIENTS:
+        raise PlantError(f"has more than {MAX_COEFFICIENTS} coefficients, entries squared; take a smaller exponent")
+    return MatrixPolynomial.from_sympy(matrix)
 
 
 def _constant(name: Any, known: Mapping[str, MatrixPolynomial]) -> Array:

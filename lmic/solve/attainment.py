@@ -1,7 +1,8 @@
 """Whether an infimum is attained: the objective over growing bounds on the unknowns.
 
 Diverging unknowns alone show nothing: they also diverge along directions that the objective does not
-feel. An infimum is not attained where the bound binds, however large, and the objective keeps falling.
+feel. Where each of the bounds binds and the objective falls from one to the next, it is not attained
+within the largest of them; no computation tells of unknowns beyond.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ REACHED = 0.999
 
 
 def with_attainment(problem: ConicProblem, found: Solution, solver: ConeSolver, passes: int) -> Solution:
-    """The solution, or where the infimum is not attained the best one within the last bound, and a word about it.
+    """The solution, or the best one within the last bound where no bound attains the infimum, and a word about it.
 
     Asked only where the answer is usable and leaves something to warn of: an attained optimum is
     found to all digits.
@@ -48,7 +49,7 @@ def with_attainment(problem: ConicProblem, found: Solution, solver: ConeSolver, 
     shown = ", ".join(
         f"{value + problem.constant:.9g} with |x| ≤ {radius:.0e}" for radius, value in zip(RADII, values, strict=True)
     )
-    note = f"the infimum is not attained: the objective is {shown}, and falls as long as the unknowns may grow"
+    note = f"the infimum is not attained within |x| ≤ {RADII[-1]:.0e}: the objective falls as the bound grows, {shown}"
     return replace(within, bound=min(found.bound, within.bound), attained=False, warnings=(*within.warnings, note))
 
 

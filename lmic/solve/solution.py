@@ -14,8 +14,8 @@ Array: TypeAlias = NDArray[Any]
 
 #: an objective smaller than this is compared absolutely
 ABSOLUTE = 1e-6
-#: relative uncertainty up to which an objective is a number at all: two digits
-TRUSTED_UNCERTAINTY = 1e-2
+#: relative uncertainty up to which an objective is a number at all: three digits
+TRUSTED_UNCERTAINTY = 1e-3
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class Solution:
     ``price`` estimates, from the dual, how much the objective rises when the violation is mended.
     ``violation`` is the most negative eigenvalue over all LMIs (0 if none is negative),
     ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that
-    LMI. ``attained`` is false where the objective falls as long as the unknowns grow. ``dual`` is svec
-    of the dual matrices, row by row as in the problem.
+    LMI. ``attained`` is false where the objective falls with every bound on the unknowns that was tried.
+    ``dual`` is svec of the dual matrices, row by row as in the problem.
     """
 
     status: Status
@@ -83,7 +83,7 @@ class Solution:
 
     @property
     def trusted(self) -> bool:
-        """Usable, and known to two digits; ``uncertainty`` and ``warnings`` say how many more."""
+        """Usable, and known to three digits; ``uncertainty`` and ``warnings`` say how many more."""
         return self.status.usable and self.uncertainty <= TRUSTED_UNCERTAINTY
 
 

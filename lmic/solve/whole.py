@@ -33,7 +33,9 @@ RAY = 1e-6
 NO_MARGIN = 1e-8
 #: bound on the sum of traces in a search for the largest margin, per unit of order and data
 TRACE_LIMIT = 1e4
-#: growth of the margin asked for, from the violation on, while an answer leaves a cone
+#: the largest margin asked for at first, relative to the slack's diagonal: a wild answer says nothing of what is needed
+FIRST_MARGIN = 1e-6
+#: growth of the margin, from the violation on, while an answer leaves a cone
 RETREAT = 4.0
 #: passes stop when violation and gap are within this (see _Candidate.merit)
 SETTLED = 1e-9
@@ -207,16 +209,17 @@ def _retreat(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidat
     scaled, transform = scaling.initial(data)
     found = [_candidate(data, scaled, transform, solver(scaled))]
     diagonal = _svec_diagonal(found[0].slack, data.orders)
-    share = found[0].step.violation
+    share = min(found[0].step.violation, FIRST_MARGIN)
     while len(found) < passes and found[-1].answer.status.usable and found[-1].step.violation > SETTLED:
         margin = share * diagonal
         answer = solver(replace(scaled, offset=scaled.offset - margin))
         found.append(_candidate(data, scaled, transform, replace(answer, s=answer.s + margin)))
         share *= RETREAT
-    last = found[-1]
-    # a point inside the cones is worth more than the digits that the margin costs
-    inside = last.step.violation <= SETTLED and last.step.uncertainty <= TRUSTED_UNCERTAINTY
-    return last if inside else _best(found), tuple(one.step for one in found)
+    best, last = _best(found), found[-1]
+    # a point inside the cones is worth more than digits that it costs, or that are not known without it either
+    inside = last.answer.status.usable and last.step.violation <= SETTLED
+    known = [step.uncertainty <= TRUSTED_UNCERTAINTY for step in (last.step, best.step)]
+    return last if inside and (known[0] or not known[1]) else best, tuple(one.step for one in found)
 
 
 def _is_ray(data: ConeData, direction: Array) -> bool:
