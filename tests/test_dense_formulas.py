@@ -13,10 +13,12 @@ from types import SimpleNamespace as Values
 from typing import Any
 
 import dense_formulas as dense
+import dense_maps as maps
+import dense_standard as known
 import numpy as np
 import pytest
 import sympy as sp
-from dense_formulas import Array
+from dense_maps import Array
 from numpy.linalg import inv
 
 from lmic import library
@@ -138,7 +140,7 @@ def delay_lpv(random: Random) -> dict[str, Case]:
         "theorem1": analysis(
             dense.delay_theorem1(plant, f, P, following, Q, delay, gamma2),
             dissipation=(
-                lambda lmi: dense.eliminate(lmi, 2 * n + p),
+                lambda lmi: maps.eliminate(lmi, 2 * n + p),
                 dense.delay_dissipation(plant, f, P, following, Q, delay, gamma2),
             ),
         ),
@@ -192,7 +194,7 @@ def wu2007(random: Random) -> dict[str, Case]:
             scalars,
             {"performance": dense.fm_theorem1(a, b, P_a, P_c, Q_a, Q_b, gamma2)},
             dissipation=(
-                lambda lmi: dense.eliminate(dense.reorder(lmi, order, [3, 4, 5, 6, 0, 1, 2]), 2 * n + 2 * q),
+                lambda lmi: maps.eliminate(maps.reorder(lmi, order, [3, 4, 5, 6, 0, 1, 2]), 2 * n + 2 * q),
                 dense.fm_dissipation(a, b, P_a, P_c, Q_a, Q_b, gamma2),
             ),
         ),
@@ -328,8 +330,8 @@ def mustafa(random: Random) -> dict[str, Case]:
         return float(following @ inv(P) @ following - x @ inv(P) @ x + error @ error - gamma2 * w @ w)
 
     def back(lmi: Array) -> Array:
-        turned = dense.reorder(lmi, [2 * n, s, 2 * n, m], [2, 3, 0, 1])
-        return dense.congruence(dense.eliminate(turned, 2 * n + s), inv(P), np.eye(m))
+        turned = maps.reorder(lmi, [2 * n, s, 2 * n, m], [2, 3, 0, 1])
+        return maps.congruence(maps.eliminate(turned, 2 * n + s), inv(P), np.eye(m))
 
     def synthesis(formula: Callable[..., tuple[Array, Values]]) -> Case:
         matrix, unknowns = formula(p, f, P, gamma2)
@@ -350,7 +352,7 @@ def mustafa(random: Random) -> dict[str, Case]:
             data | vars(f) | {"Pbar": P},
             scalars,
             {"performance": dense.sampled_analysis(step, (2 * n, m), P, gamma2)},
-            dissipation=(back, dense.quadratic_form(dissipated, (2 * n, m))),
+            dissipation=(back, maps.quadratic_form(dissipated, (2 * n, m))),
         ),
         "theorem3": synthesis(dense.sampled_theorem3),
         "robust_performance": synthesis(dense.sampled_robust_performance),
@@ -377,50 +379,50 @@ def standard(random: Random) -> dict[str, Case]:
         return float(step @ following @ step - x @ P @ x + z @ z / gamma - gamma * w @ w)
 
     trace = np.array([[mu - np.trace(Z)]])
-    bounded_real = dense.bounded_real_discrete(A, B, C, D, P, following, gamma)
+    bounded_real = known.bounded_real_discrete(A, B, C, D, P, following, gamma)
     by_P, by_G = ({"B(rho)": p.B_u, "Y(rho)": K @ slack} for slack in (P, G))
     measured = {"C(rho)": C_y}
     return {
-        "stability_continuous": case(decrease=dense.lyapunov_continuous(A, P, rate)),
-        "stability_discrete": case(decrease=dense.lyapunov_discrete(A, P, following)),
-        "decay_rate_continuous": case(decrease=dense.lyapunov_continuous(A, P, rate, beta)),
-        "decay_rate_discrete": case(decrease=dense.lyapunov_discrete(A, P, following, beta)),
-        "stability_slack_deoliveira": case(decrease=dense.slack_stability(A, P, G)),
-        "stability_poly_daafouz": case(decrease=dense.slack_poly_stability(A, P, following, G)),
-        "bounded_real_continuous": case(dissipation=dense.bounded_real_continuous(A, B, C, D, P, rate, gamma)),
+        "stability_continuous": case(decrease=known.lyapunov_continuous(A, P, rate)),
+        "stability_discrete": case(decrease=known.lyapunov_discrete(A, P, following)),
+        "decay_rate_continuous": case(decrease=known.lyapunov_continuous(A, P, rate, beta)),
+        "decay_rate_discrete": case(decrease=known.lyapunov_discrete(A, P, following, beta)),
+        "stability_slack_deoliveira": case(decrease=known.slack_stability(A, P, G)),
+        "stability_poly_daafouz": case(decrease=known.slack_poly_stability(A, P, following, G)),
+        "bounded_real_continuous": case(dissipation=known.bounded_real_continuous(A, B, C, D, P, rate, gamma)),
         "bounded_real_discrete": Case(
             sizes,
             shared,
             {"gamma": gamma},
             {"dissipation": bounded_real},
-            dissipation=(lambda lmi: -dense.eliminate(lmi, n + nz), dense.quadratic_form(stored, (n, nw))),
+            dissipation=(lambda lmi: -maps.eliminate(lmi, n + nz), maps.quadratic_form(stored, (n, nw))),
         ),
         "generalised_h2_continuous": case(
-            energy=dense.energy_continuous(A, B, P, rate), peak=dense.peak(P, C, None, mu)
+            energy=known.energy_continuous(A, B, P, rate), peak=known.peak(P, C, None, mu)
         ),
-        "generalised_h2_discrete": case(energy=dense.energy_discrete(A, B, P, following), peak=dense.peak(P, C, D, mu)),
+        "generalised_h2_discrete": case(energy=known.energy_discrete(A, B, P, following), peak=known.peak(P, C, D, mu)),
         "h2_continuous": case(
-            energy=dense.h2_continuous(A, C, P, rate), impulse=dense.h2_trace(B, None, P, Z), trace=trace
+            energy=known.h2_continuous(A, C, P, rate), impulse=known.h2_trace(B, None, P, Z), trace=trace
         ),
         "h2_discrete": case(
-            energy=dense.h2_discrete(A, C, P, following), impulse=dense.h2_trace(B, D, following, Z), trace=trace
+            energy=known.h2_discrete(A, C, P, following), impulse=known.h2_trace(B, D, following, Z), trace=trace
         ),
-        "state_feedback_continuous": case(by_P, decrease=dense.state_feedback_continuous(A, p.B_u, K, P, rate)),
-        "state_feedback_discrete": case(by_P, decrease=dense.state_feedback_discrete(A, p.B_u, K, P, following, P)),
+        "state_feedback_continuous": case(by_P, decrease=known.state_feedback_continuous(A, p.B_u, K, P, rate)),
+        "state_feedback_discrete": case(by_P, decrease=known.state_feedback_discrete(A, p.B_u, K, P, following, P)),
         "state_feedback_slack_discrete": case(
-            by_G, decrease=dense.state_feedback_discrete(A, p.B_u, K, P, following, G)
+            by_G, decrease=known.state_feedback_discrete(A, p.B_u, K, P, following, G)
         ),
         "state_feedback_hinf_continuous": case(
-            by_P, dissipation=dense.state_feedback_hinf_continuous(p, K, P, rate, gamma)
+            by_P, dissipation=known.state_feedback_hinf_continuous(p, K, P, rate, gamma)
         ),
         "state_feedback_hinf_discrete": case(
-            by_G, dissipation=dense.state_feedback_hinf_discrete(p, K, P, following, G, gamma)
+            by_G, dissipation=known.state_feedback_hinf_discrete(p, K, P, following, G, gamma)
         ),
         "observer_continuous": case(
-            measured | {"Z(rho)": P @ L}, decrease=dense.observer_continuous(A, C_y, L, P, rate)
+            measured | {"Z(rho)": P @ L}, decrease=known.observer_continuous(A, C_y, L, P, rate)
         ),
         "observer_discrete": case(
-            measured | {"Z(rho)": G @ L}, decrease=dense.observer_discrete(A, C_y, L, P, following, G)
+            measured | {"Z(rho)": G @ L}, decrease=known.observer_discrete(A, C_y, L, P, following, G)
         ),
     }
 
