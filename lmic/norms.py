@@ -50,6 +50,21 @@ def frozen_gain(design: Design, system: System, parameters: Mapping[str, Any]) -
             return np.array([torus_norm(**m) for m in stacks])
 
 
+def frozen_peak(design: Design, system: System, parameters: Mapping[str, Any]) -> Array | None:
+    """The energy-to-peak norm of a 2-D system at each of K frozen parameters; infinite where unstable.
+
+    That is the norm of z on a diagonal i + j = n over ‖w‖₂, no less than the largest |z| at a place. Delays
+    are taken to be zero: one of all for which a bound holds. None for other systems.
+    """
+    if not isinstance(system, PlaneSystem):
+        return None
+    matrices = design.frozen(system, parameters)
+    if isinstance(system, DelayedFornasiniMarchesini):
+        matrices |= {f"A{k}": matrices[f"A{k}"] + matrices.pop(f"A_d{k}") for k in (1, 2)}
+    stacks = [dict(zip(matrices, frozen, strict=True)) for frozen in zip(*matrices.values(), strict=True)]
+    return np.array([diagonal_peak(**m) for m in stacks])
+
+
 def frozen_magnitude(
     design: Design, system: PlaneSystem, parameters: Mapping[str, Any], frequencies: Array, delay: Sequence[int]
 ) -> Array:
@@ -109,15 +124,41 @@ def torus_norm(
     dynamics = np.stack([A1, A2, *(matrix for matrix in (A_d1, A_d2) if matrix is not None and matrix.any())])
     batch = max(1, ENTRIES // A1.size)
 
+    if not _stable(dynamics, batch):
+        return float("inf")
+    inputs = np.stack([B1, B2])
+    return torus_maximum(lambda phases: magnitude(dynamics, inputs, C, phases), len(dynamics), batch)
+
+
+def _stable(dynamics: Array, batch: int) -> bool:
+    """Whether Σ_k z_k A_k is Schur stable for all |z_k| = 1."""
+
     def radius(phases: Array) -> Array:
         # a common phase turns the eigenvalues and leaves their size
         turned = dynamics[0] + np.tensordot(np.exp(-1j * phases), dynamics[1:], axes=1)
         return np.abs(np.linalg.eigvals(turned)).max(axis=-1)
 
-    if not torus_maximum(radius, len(dynamics) - 1, batch) < 1:
-        return float("inf")
-    inputs = np.stack([B1, B2])
-    return torus_maximum(lambda phases: magnitude(dynamics, inputs, C, phases), len(dynamics), batch)
+    return torus_maximum(radius, len(dynamics) - 1, batch) < 1
+
+
+def diagonal_peak(A1: Array, A2: Array, B1: Array, B2: Array, C: Array) -> float:
+    """Largest norm of z on a diagonal i + j = n, over ‖w‖₂, of a 2-D system without delays; infinite if unstable.
+
+    A wave of phase φ along the diagonals moves by A(φ) = A1 e^{−iφ} + A2 from one to the next; the square
+    is the largest eigenvalue over φ of C P C*, with the Gramian P = A P A* + B B* of that wave.
+    """
+    size, dynamics, inputs = len(A1), np.stack([A2, A1]), np.stack([B2, B1])
+    batch = max(1, ENTRIES // size**4)
+
+    def square(phases: Array) -> Array:
+        z = np.hstack([np.ones((len(phases), 1)), np.exp(-1j * phases)])
+        step, entry = np.tensordot(z, dynamics, axes=1), np.tensordot(z, inputs, axes=1)
+        squared = np.einsum("nij,nkl->nikjl", step, step.conj()).reshape(-1, size**2, size**2)
+        supply = (entry @ entry.conj().swapaxes(1, 2)).reshape(-1, size**2, 1)
+        gramian = np.linalg.solve(np.eye(size**2) - squared, supply).reshape(-1, size, size)
+        return np.linalg.eigvalsh(C @ gramian @ C.T)[:, -1]
+
+    return float(np.sqrt(torus_maximum(square, 1, batch))) if _stable(dynamics, batch) else float("inf")
 
 
 def magnitude(dynamics: Array, inputs: Array, C: Array, phases: Array) -> Array:

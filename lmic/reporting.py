@@ -16,7 +16,7 @@ from lmic.certify.verify import Verdict
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import CaseTable
 from lmic.papers.enclosures import Enclosure
-from lmic.papers.reproduce import Outcome, achieved
+from lmic.papers.reproduce import Frozen, Outcome, achieved
 from lmic.pipeline import Result
 from lmic.relax.family import LMIFamily
 from lmic.search import Found
@@ -285,7 +285,7 @@ def print_design(result: Result) -> None:
 # Reproductions -----------------------------------------------------------------------------------------
 
 
-REPRODUCTION_COLUMNS = ("case", "paper", "lmic", "difference", "verdict", "proven", "frozen H∞", "achieved (paper)")
+REPRODUCTION_COLUMNS = ("case", "paper", "lmic", "difference", "verdict", "proven", "frozen norm", "achieved (paper)")
 
 
 def achieved_gains(
@@ -330,6 +330,12 @@ def _difference(outcome: Outcome) -> str:
     return f"{outcome.value / float(case.paper) - 1:+.2%}"
 
 
+def _frozen(frozen: Frozen | None) -> str:
+    if frozen is None:
+        return ""
+    return f"{frozen.norm:.4g} {'≤' if frozen.norm <= frozen.bound else '>'} {frozen.bound:.4g}"
+
+
 def _proven(enclosure: Enclosure | None) -> str:
     if enclosure is None:
         return "numerical"
@@ -347,6 +353,6 @@ def reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
         _difference(outcome),
         outcome.verdict.value,
         _proven(outcome.enclosure),
-        "" if outcome.frozen_norm is None else f"{outcome.frozen_norm:.4g}",
+        _frozen(outcome.frozen),
         "" if gain is None else f"{gain:.4g}{printed}",
     ]

@@ -17,7 +17,7 @@ from lmic.certify.document import float_above, float_below
 from lmic.certify.refine import certify_domain
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
-from lmic.norms import frozen_gain
+from lmic.norms import frozen_gain, frozen_peak
 from lmic.papers.cases import Case, CaseTable, Simulation
 from lmic.papers.enclosures import Enclosure, proven, stored
 from lmic.papers.signals import signal, trajectory_of
@@ -46,8 +46,16 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True)
+class Frozen:
+    """Largest norm of the error system at frozen parameters, and what the theorem bounds it by."""
+
+    norm: float
+    bound: float
+
+
+@dataclass(frozen=True)
 class Outcome:
-    """A case with its result; ``frozen_norm`` is the largest over the vertices, None if not defined.
+    """A case with its result; ``frozen`` is None where no norm is bounded or defined.
 
     ``relaxation`` is the case's with the grids that it asked to find; ``enclosure`` is what is proven,
     and ``certificate`` the proof where it was made together with the solution.
@@ -58,7 +66,7 @@ class Outcome:
     result: Result
     value: float
     verdict: Verdict
-    frozen_norm: float | None
+    frozen: Frozen | None
     enclosure: Enclosure | None
     certificate: Certificate | None = None
 
@@ -76,7 +84,8 @@ class Outcome:
             "attained": solution.attained,
             "soundness": self.result.problem.soundness.value,
             "verdict": self.verdict.value,
-            "frozen_norm": self.frozen_norm,
+            "frozen_norm": self.frozen.norm if self.frozen else None,
+            "frozen_bound": self.frozen.bound if self.frozen else None,
             "lower": float_below(lower) if lower is not None else None,
             "upper": float_above(upper) if upper is not None else None,
             "standing": (self.enclosure.standing if self.enclosure else Standing.NUMERICAL).value,
@@ -106,8 +115,8 @@ def reproduce(table: CaseTable, fresh: bool = False) -> Iterator[Outcome]:
         if enclosure and enclosure.lower is not None:
             bounds[case.id] = float(enclosure.lower)
         found = verdict(case, value, _doubt(case, result.solution, value), bounds)
-        norm = _frozen_norm(relaxation, result)
-        yield Outcome(case, relaxation, result, value, found, norm, enclosure, certificate)
+        frozen = _frozen(relaxation, case, result)
+        yield Outcome(case, relaxation, result, value, found, frozen, enclosure, certificate)
 
 
 def _solved(case: Case) -> tuple[Result, Relaxation, Certificate | None]:
@@ -159,18 +168,19 @@ def verdict(case: Case, value: float, doubt: float, bounds: Mapping[str, float])
     return Verdict.WORSE if least > half_unit else Verdict.UNTRUSTED
 
 
-def _frozen_norm(relaxation: Relaxation, result: Result) -> float | None:
-    """Largest frozen gain where the theorem bounds one: over the case's own points, else the vertices.
+def _frozen(relaxation: Relaxation, case: Case, result: Result) -> Frozen | None:
+    """Largest norm of the frozen error system and its bound: over the case's own points, else the vertices.
 
-    An energy-to-peak bound has none: with delays, its norm is not the supremum over independent phases.
+    Of several bounds, that of the case's report, else the first.
     """
-    bounds = [bound for bound in result.theorem.guarantees if bound.norm == "l2 gain"]
+    bounds = sorted(result.theorem.guarantees, key=lambda bound: bound.report != case.report)
     if not bounds or not result.solution.status.usable:
         return None
     points = vertex_points(result.problem.binding.domains)
     points |= {n: np.array(g.points) for n, g in relaxation.grid.items() if isinstance(g, Grid) and g.points}
-    gains = frozen_gain(result.design, bounds[0].system, points)
-    return None if gains is None else float(gains.max())
+    norm = frozen_peak if bounds[0].norm == "energy to peak" else frozen_gain
+    found = norm(result.design, bounds[0].system, points)
+    return None if found is None else Frozen(float(found.max()), result.reports[bounds[0].report])
 
 
 def run_simulation(simulation: Simulation, outcomes: Mapping[str, Outcome]) -> dict[str, Trajectory]:
