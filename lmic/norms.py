@@ -23,6 +23,8 @@ from lmic.recover import Design
 
 Array: TypeAlias = NDArray[Any]
 
+#: relative accuracy of an H∞ norm
+TOLERANCE = 1e-9
 #: points per phase, by the number of phases, from which a maximum over the torus is refined
 POINTS = {1: 96, 2: 64, 3: 24, 4: 14}
 #: local maxima of the grid that are refined
@@ -96,7 +98,7 @@ def h_infinity(A: Array, B: Array, C: Array, D: Array, discrete: bool) -> float:
     D = np.pad(D, ((0, more_outputs), (0, more_inputs)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return float(control.norm(control.ss(A, B, C, D), p="inf", tol=1e-9))
+        return float(control.norm(control.ss(A, B, C, D), p="inf", tol=TOLERANCE))
 
 
 def _bilinear(A: Array, B: Array, C: Array, D: Array) -> tuple[Array, Array, Array, Array]:

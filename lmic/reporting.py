@@ -14,6 +14,7 @@ from lmic.certify.certificate import Certificate
 from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
 from lmic.language.theorem import Theorem
+from lmic.norms import TOLERANCE
 from lmic.papers.cases import CaseTable
 from lmic.papers.enclosures import Enclosure
 from lmic.papers.reproduce import Frozen, Outcome, achieved
@@ -333,6 +334,8 @@ def _difference(outcome: Outcome) -> str:
 def _frozen(frozen: Frozen | None) -> str:
     if frozen is None:
         return ""
+    if abs(frozen.norm - frozen.bound) <= 10 * TOLERANCE * frozen.bound:  # a bound for one point may be attained
+        return f"{frozen.norm:.4g} ≈ {frozen.bound:.4g}"
     return f"{frozen.norm:.4g} {'≤' if frozen.norm <= frozen.bound else '>'} {frozen.bound:.4g}"
 
 
