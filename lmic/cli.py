@@ -141,8 +141,11 @@ def solve(
 ) -> None:
     """Solve a theorem (by name or path) for a plant and print what it reports and recovers."""
     from lmic import reporting
+    from lmic.certify.certify import certify as prove
+    from lmic.certify.certify import without_unproven_claim
     from lmic.pipeline import run
     from lmic.search import search_scalar
+    from lmic.solve.cone import Status
 
     chosen, found, refined, certificate = Choices(**choices), None, None, None
     if refine and (search or not certify):
@@ -162,11 +165,11 @@ def solve(
         certificate, result = refined.certificate, refined.result
     else:
         result = found.result if found else run(chosen.compile_files(name, plant))
-        if certify:
-            from lmic.certify.certify import certify as prove
-
+        # that there is no solution is said only where it is proven
+        if certify or result.solution.status is Status.INFEASIBLE:
             relaxation = chosen.relaxation(result.problem.binding.plant)
             certificate = prove(result, relaxation, given, chosen.dimensions())
+            result = without_unproven_claim(result, certificate)
     if certificate and certify and certify != Path("-"):
         certificate.write(certify)
     if as_json:

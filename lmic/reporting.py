@@ -162,8 +162,23 @@ def certificate_record(certificate: Certificate) -> dict[str, Any]:
         "lower": {name: float_below(value) for name, value in lower.reports.items()} if lower else {},
         "upper": {name: float_above(value) for name, value in upper.reports.items()} if upper else {},
         "soundness": certificate.standing.value,
+        "infeasible": infeasibility(certificate),
+        "proven_from": certificate.solver,
         "notes": list(certificate.notes),
     }
+
+
+def infeasibility(certificate: Certificate) -> str:
+    """What is proven of there being no solution; an empty text where nothing is."""
+    claim = certificate.infeasible
+    if claim is None:
+        return ""
+    if claim.radius is None:
+        return f"no unknowns satisfy the LMIs, proven by {len(claim.functionals)} exact dual matrices"
+    return (
+        f"no unknowns of size {float(claim.radius):g} or less give every LMI a least eigenvalue above "
+        f"{float(claim.margin):.1e}, proven by {len(claim.functionals)} dual matrices"
+    )
 
 
 def search_record(found: Found) -> dict[str, Any]:
@@ -205,7 +220,10 @@ def print_result(result: Result, certificate: Certificate | None = None) -> None
     out.print(f"\nsolver      {solution.solver}: {words}; {solution.iterations} iterations in {result.seconds:.2f} s")
     out.print(f"status      {solution.status.value}")
     if not solution.status.usable:
-        out.print(f"            {solution.status.advice}")
+        if certificate and certificate.infeasible:
+            out.print(f"proof       {infeasibility(certificate)}")
+        for line in (*(certificate.notes if certificate else ()), solution.status.advice):
+            out.print(f"            {line}", markup=False)
         return
     relative = f"relative to diag S: {abs(solution.relative_violation):.1e}"
     where = f", largest at {solution.worst}" if solution.violation < 0 else ""
@@ -216,6 +234,8 @@ def print_result(result: Result, certificate: Certificate | None = None) -> None
     for name, value in result.reports.items():
         proven = enclosure(certificate, name) if certificate else known
         out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {proven}; relaxation {result.problem.soundness.value}")
+    if certificate and (certificate.upper or certificate.lower):
+        out.print(f"proven from {certificate.solver}")
     for note in certificate.notes if certificate else ():
         out.print(f"            {note}", markup=False)
     for warning in solution.warnings:
@@ -264,10 +284,12 @@ def print_verdict(certificate: Certificate, verdict: Verdict) -> None:
     where = "on the whole domain" if certificate.upper and not certificate.upper.functionals else "at the listed points"
     if certificate.upper:
         out.print(f"upper end   every LMI is positive definite {where} ({verdict.cells} cells)")
+    about = "every solution of the theorem with these bases" if verdict.about_theorem else "its relaxation"
     if certificate.lower:
-        about = "every solution of the theorem with these bases" if verdict.about_theorem else "its relaxation"
-        what = "infeasible" if certificate.lower.infeasible else "lower end  "
-        out.print(f"{what} proven by {len(certificate.lower.functionals)} dual matrices, for {about}")
+        out.print(f"lower end   proven by {len(certificate.lower.functionals)} dual matrices, for {about}")
+    if certificate.infeasible:
+        out.print(f"infeasible  {infeasibility(certificate)}, for {about}")
+    out.print(f"made by     {certificate.solver}")
 
 
 def print_design(result: Result) -> None:

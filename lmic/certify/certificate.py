@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from lmic.certify import document
 from lmic.certify.finite import Coefficient, Functional
+from lmic.certify.infeasible import Infeasible
 from lmic.certify.lower import Dual, Pivot
 from lmic.errors import CertificateError, PlantError
 from lmic.plants.expressions import parse, quoted
@@ -25,10 +26,12 @@ from lmic.plants.plant import Plant
 
 Array: TypeAlias = NDArray[Any]
 
-FORMAT = "lmic certificate 1"
+FORMAT = "lmic certificate 2"
 MAX_BYTES = 32 * 2**20
 #: total degree of a functional on one axis that is still read
 MAX_POWER = 200
+#: the keys of dual matrices
+_DUAL = ("dual", "faces", "pivots")
 
 
 class Standing(StrEnum):
@@ -61,15 +64,11 @@ class Upper:
 
 @dataclass(frozen=True)
 class Lower:
-    """No point does better than ``reports`` where the LMIs hold for the ``functionals``.
-
-    An ``infeasible`` one has no point at all, and no reports.
-    """
+    """No point does better than ``reports`` where the LMIs hold for the ``functionals``."""
 
     reports: Mapping[str, Fraction]
     functionals: tuple[Functional, ...]
     dual: Dual
-    infeasible: bool
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ class Certificate:
 
     ``scalars`` are the values of the given scalars and of the plant's; ``ties`` equate instances of
     parameters; ``library_plant`` is the file of the library with these data, or empty; ``notes`` say
-    which proof is missing, and why.
+    which proof is missing, and why; ``solver`` says where the point and the dual matrices come from.
     """
 
     theorem: str
@@ -90,12 +89,16 @@ class Certificate:
     unknowns: Mapping[str, Unknown]
     upper: Upper | None
     lower: Lower | None
+    infeasible: Infeasible | None
     notes: tuple[str, ...]
+    solver: str
     versions: Mapping[str, str]
 
     @property
     def standing(self) -> Standing:
-        """What is proven of the reported values."""
+        """What is proven: of the reported values, or that there is no solution."""
+        if self.infeasible is not None:
+            return Standing.CERTIFIED
         if self.upper is None:
             return Standing.NUMERICAL
         return Standing.GRID if self.upper.functionals else Standing.CERTIFIED
@@ -139,7 +142,7 @@ def checksum(tables: Mapping[str, Any]) -> str:
 
 
 def _tables(certificate: Certificate) -> dict[str, Any]:
-    upper, lower = certificate.upper, certificate.lower
+    upper, lower, infeasible = certificate.upper, certificate.lower, certificate.infeasible
     return {
         "format": FORMAT,
         "theorem": certificate.theorem,
@@ -149,6 +152,7 @@ def _tables(certificate: Certificate) -> dict[str, Any]:
         "dimensions": dict(certificate.dimensions),
         "ties": dict(certificate.ties),
         "plant": document.plant_tables(certificate.plant),
+        "solver": certificate.solver,
         "versions": dict(certificate.versions),
         "notes": list(certificate.notes),
         "upper": None if upper is None else {"reports": _reports(upper), "functionals": _functionals(upper)},
@@ -164,11 +168,25 @@ def _tables(certificate: Certificate) -> dict[str, Any]:
         if lower is None
         else {
             "reports": _reports(lower),
-            "infeasible": lower.infeasible,
             "functionals": _functionals(lower),
-            "dual": [document.upper_text(matrix) for matrix in lower.dual.matrices],
-            "pivots": [[p.column, p.lmi, p.row, p.col] for p in lower.dual.pivots],
+            **_dual_tables(lower.dual),
         },
+        "infeasible": None
+        if infeasible is None
+        else {
+            "radius": None if infeasible.radius is None else document.decimal(infeasible.radius),
+            "margin": document.decimal(infeasible.margin),
+            "functionals": _functionals(infeasible),
+            **_dual_tables(infeasible.dual),
+        },
+    }
+
+
+def _dual_tables(dual: Dual) -> dict[str, Any]:
+    return {
+        "dual": [document.upper_text(matrix) for matrix in dual.matrices],
+        "faces": [None if face is None else document.integers_text(face) for face in dual.faces],
+        "pivots": [[p.column, p.lmi, p.row, p.col] for p in dual.pivots],
     }
 
 
@@ -176,7 +194,7 @@ def _reports(bound: Upper | Lower) -> dict[str, str]:
     return {name: document.decimal(value) for name, value in bound.reports.items()}
 
 
-def _functionals(bound: Upper | Lower) -> list[dict[str, Any]]:
+def _functionals(bound: Upper | Lower | Infeasible) -> list[dict[str, Any]]:
     return [
         {
             "lmi": functional.lmi,
@@ -220,10 +238,10 @@ def parsed(content: bytes) -> Certificate:
 def certificate_of(tables: Mapping[str, Any]) -> Certificate:
     """The certificate of plain tables, each of the type it must have."""
     keys = {"format", "theorem", "library_plant", "standing", "scalars", "dimensions", "ties", "plant", "versions"}
-    _keys(tables, keys | {"upper", "unknowns", "lower", "notes"})
+    _keys(tables, keys | {"upper", "unknowns", "lower", "infeasible", "notes", "solver"})
     plant = document.read_plant_tables(tables["plant"])
     symbols = {name: sp.Symbol(name) for domain in plant.domains.values() for name in domain.components}
-    upper, lower = tables["upper"], tables["lower"]
+    upper, lower, infeasible = tables["upper"], tables["lower"], tables["infeasible"]
     unknowns = {}
     for entry in _list(tables["unknowns"]):
         _keys(entry, {"name", "basis", "matrices"})
@@ -241,7 +259,9 @@ def certificate_of(tables: Mapping[str, Any]) -> Certificate:
         unknowns=unknowns,
         upper=None if upper is None else _upper(upper),
         lower=None if lower is None else _lower(lower),
+        infeasible=None if infeasible is None else _infeasible(infeasible),
         notes=tuple(_text(note) for note in _list(tables["notes"])),
+        solver=_text(tables["solver"]),
         versions={name: _text(value) for name, value in _table(tables["versions"]).items()},
     )
     if tables["standing"] != found.standing.value:
@@ -255,9 +275,17 @@ def _upper(entry: Any) -> Upper:
 
 
 def _lower(entry: Any) -> Lower:
-    _keys(entry, {"reports", "infeasible", "functionals", "dual", "pivots"})
-    if not isinstance(entry["infeasible"], bool):
-        raise CertificateError("'infeasible' is neither true nor false")
+    _keys(entry, {"reports", "functionals", *_DUAL})
+    return Lower(_read_reports(entry), _read_functionals(entry), _read_dual(entry))
+
+
+def _infeasible(entry: Any) -> Infeasible:
+    _keys(entry, {"radius", "margin", "functionals", *_DUAL})
+    radius = None if entry["radius"] is None else document.number(entry["radius"])
+    return Infeasible(_read_functionals(entry), _read_dual(entry), radius, document.number(entry["margin"]))
+
+
+def _read_dual(entry: Mapping[str, Any]) -> Dual:
     pivots = []
     for pivot in _list(entry["pivots"]):
         numbers = [_integer(value) for value in _list(pivot)]
@@ -265,7 +293,13 @@ def _lower(entry: Any) -> Lower:
             raise CertificateError(f"{quoted(pivot)} is not a pivot, which has four numbers")
         pivots.append(Pivot(*numbers))
     matrices = tuple(document.symmetric(rows) for rows in _list(entry["dual"]))
-    return Lower(_read_reports(entry), _read_functionals(entry), Dual(matrices, tuple(pivots)), entry["infeasible"])
+    faces = tuple(None if rows is None else document.integers(rows) for rows in _list(entry["faces"]))
+    fits = len(faces) == len(matrices) and all(
+        face is None or face.shape[1] == len(matrix) for face, matrix in zip(faces, matrices, strict=False)
+    )
+    if not fits:
+        raise CertificateError("the faces of the dual matrices do not fit them")
+    return Dual(matrices, faces, tuple(pivots))
 
 
 def _read_reports(entry: Mapping[str, Any]) -> dict[str, Fraction]:

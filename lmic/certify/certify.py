@@ -1,13 +1,14 @@
 """Stage 7, certify: from a solver's answer to a proven enclosure of what the theorem reports.
 
 A strictly feasible point a little above the optimum, proven on the whole domain, gives the upper
-end, exact dual matrices a little below it give the lower end. How much is given away for the proofs
-is tried in turn, the least first.
+end, exact dual matrices a little below it give the lower end. Both come from double precision where
+that encloses the optimum narrowly, else from 200 bits. Where the LMIs have no solution, exact dual
+matrices prove that.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from importlib.metadata import version
@@ -20,10 +21,19 @@ from numpy.typing import NDArray
 from lmic import __version__, library
 from lmic.assemble import ConicProblem
 from lmic.certify import document
+from lmic.certify.candidates import (
+    Candidates,
+    DualCandidate,
+    Exact,
+    binding_part,
+    double_precision,
+    in_double_precision,
+    in_multiprecision,
+    interior_points,
+)
 from lmic.certify.certificate import Certificate, Lower, Unknown, Upper
-from lmic.certify.finite import Functional, finite_problem
-from lmic.certify.interior import inner_dual, inner_point
-from lmic.certify.lower import exact_dual, lower_bound
+from lmic.certify.dual import exact_dual, infeasibility
+from lmic.certify.finite import FiniteProblem, Functional, finite_problem
 from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
@@ -35,15 +45,15 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_number
 from lmic.relax.family import Soundness
 from lmic.relax.relax import Relaxation
-from lmic.solve.exchange import binding_lmis, relative_eigenvalues
-from lmic.solve.solution import Solution
+from lmic.solve.cone import Status
+from lmic.solve.exchange import SHARE
+from lmic.solve.scaling import affordable, slack_matrices
+from lmic.solve.solution import ABSOLUTE
 
 Array: TypeAlias = NDArray[Any]
 
-#: shares of the objective that are given away for a proof
-SHARES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
-#: LMIs up to which the dual of all is tried before that of the binding ones
-FEW = 40
+#: relative width of an enclosure from which on the next means is tried
+WIDTH = Fraction(1, 10**6)
 
 
 def certify(
@@ -58,20 +68,87 @@ def certify(
     Where a proof fails the bound is missing and ``notes`` say why.
     """
     relaxation = relaxation or Relaxation()
-    found = blank(result, relaxation, given, sizes)
+    start = blank(result, relaxation, given, sizes)
+    if result.solution.status is Status.INFEASIBLE:
+        return _infeasible(start, result, relaxation)
     if not result.solution.status.usable:
-        return replace(found, notes=(f"the solver's answer is '{result.solution.status}', of which nothing is proven",))
+        return replace(start, notes=(f"the solver's answer is '{result.solution.status}', of which nothing is proven",))
+    means = [in_double_precision, in_multiprecision]
+    if not affordable(binding_part(result)):  # double precision then has no good coordinates either
+        means.reverse()
+    best: Certificate | None = None
+    for candidates_of in means:
+        found = _attempted(start, result, relaxation, budget, candidates_of)
+        best = found if best is None else _better(best, found, result.theorem)
+        if _width(best, result.theorem) <= WIDTH:
+            break
+    assert best is not None
+    return best
+
+
+def _attempted(
+    certificate: Certificate, result: Result, relaxation: Relaxation, budget: int, candidates_of: Any
+) -> Certificate:
+    """The certificate with the ends that these candidates prove, and notes on those that they do not."""
     notes = []
     try:
-        found = with_upper(found, result, relaxation, budget)
+        every, exact = exact_problems(certificate, result, relaxation)
+        candidates: Candidates = candidates_of(result, exact)
+    except LmicError as error:
+        return replace(certificate, notes=(f"{error}",))
+    found = replace(certificate, solver=candidates.solver)
+    try:
+        found = with_upper(found, result, relaxation, budget, candidates.points)
     except LmicError as error:
         notes.append(f"no upper bound is proven: {error}")
     if result.theorem.minimise is not None:
         try:
-            found = with_lower(found, result, relaxation)
+            found = with_lower(found, result.theorem, every, candidates.duals)
         except LmicError as error:
             notes.append(f"no lower bound is proven: {error}")
     return replace(found, notes=tuple(notes))
+
+
+def _width(certificate: Certificate, theorem: Theorem) -> Fraction | float:
+    """Relative width of the enclosure of the first report; infinite where an end is missing."""
+    upper, lower = certificate.upper, certificate.lower
+    if upper and theorem.minimise is None:
+        return 0.0
+    if not (upper and lower and lower.reports):
+        return float("inf")
+    name, least = next(iter(lower.reports.items()))
+    most = upper.reports[name]
+    return (most - least) / max(abs(most), Fraction(ABSOLUTE))
+
+
+def _better(first: Certificate, second: Certificate, theorem: Theorem) -> Certificate:
+    """The narrower one, else the one with more ends."""
+    widths = [_width(one, theorem) for one in (first, second)]
+    if widths[0] != widths[1]:
+        return (first, second)[int(widths[1] < widths[0])]
+    return max(first, second, key=lambda one: bool(one.upper) + bool(one.lower))
+
+
+def _infeasible(certificate: Certificate, result: Result, relaxation: Relaxation) -> Certificate:
+    """With a proof that the LMIs have no solution, from the dual matrices that carry the solver's claim."""
+    try:
+        every, exact = exact_problems(certificate, result, relaxation)
+        duals = slack_matrices(result.solution.dual, result.problem.orders) if len(result.solution.dual) else []
+        sizes = np.array([np.trace(dual) for dual in duals])
+        chosen = np.flatnonzero(sizes > SHARE * sizes.max(initial=0.0)).tolist()
+        if not chosen:
+            raise CertificateError("the solver gave no dual matrices")
+        claim = infeasibility(exact(chosen), [every[k] for k in chosen], [duals[k] for k in chosen])
+    except LmicError as error:
+        return replace(certificate, notes=(f"that the LMIs have no solution is not proven: {error}",))
+    return replace(certificate, infeasible=claim, solver=double_precision(result.solution.solver))
+
+
+def without_unproven_claim(result: Result, certificate: Certificate) -> Result:
+    """The result; where the solver calls the LMIs infeasible and that is not proven, as a failure."""
+    if result.solution.status is not Status.INFEASIBLE or certificate.infeasible:
+        return result
+    return replace(result, solution=replace(result.solution, status=Status.FAILED))
 
 
 def blank(
@@ -92,7 +169,9 @@ def blank(
         unknowns=_unknowns(problem, None),
         upper=None,
         lower=None,
+        infeasible=None,
         notes=(),
+        solver="",
         versions={"lmic": __version__, "python-flint": version("python-flint")},
     )
 
@@ -130,13 +209,15 @@ def _statement(certificate: Certificate, theorem: Theorem) -> Statement:
 # Upper bounds ---------------------------------------------------------------------------------------
 
 
-def with_upper(certificate: Certificate, result: Result, relaxation: Relaxation, budget: int) -> Certificate:
-    """With the nearest point that is proven on the whole domain, or that fails there and is proven at the grid.
+def with_upper(
+    certificate: Certificate, result: Result, relaxation: Relaxation, budget: int, points: Iterable[Array]
+) -> Certificate:
+    """With the first point that is proven on the whole domain, or that fails there and is proven at the grid.
 
     Raises CertificateError where no point is proven.
     """
     reason = CertificateError("no strictly feasible point was found near the solution")
-    for x in _points(result, SHARES):
+    for x in points:
         found = at_point(certificate, result, x)
         try:
             proven(found, result.theorem, budget)
@@ -158,7 +239,7 @@ def proven_or_point(
 
     Raises CertificateError where not even the finite LMIs hold.
     """
-    for x in _points(result, (share,)):
+    for x in interior_points(result, (share,)):
         found = at_point(certificate, result, x)
         try:
             proven(found, result.theorem, budget)
@@ -200,17 +281,6 @@ def _as_point(functional: Functional) -> Functional | None:
     return replace(functional, axes=tuple(axes)) if len(axes) == len(points) else None
 
 
-def _points(result: Result, shares: Sequence[float]) -> Iterator[Array]:
-    """Points at which the finite LMIs hold strictly in floating point, the nearest to the optimum first."""
-    if result.theorem.minimise is None:
-        yield result.solution.x
-        return
-    for share in shares:
-        x = inner_point(result.problem, result.solution, share)
-        if np.isfinite(x).all() and relative_eigenvalues(result.problem, x).min() > 0:
-            yield x
-
-
 def _upper_reports(certificate: Certificate, theorem: Theorem) -> dict[str, Fraction]:
     """Decimals that are no less than what the theorem reports at the certificate's point."""
     statement = _statement(certificate, theorem)
@@ -227,44 +297,46 @@ def _upper_reports(certificate: Certificate, theorem: Theorem) -> dict[str, Frac
 # Lower bounds ---------------------------------------------------------------------------------------
 
 
-def with_lower(certificate: Certificate, result: Result, relaxation: Relaxation) -> Certificate:
-    """With an exact dual: of all LMIs, or of those alone that carry the solver's dual.
-
-    Raises CertificateError where none is positive definite.
-    """
-    reason = CertificateError("the solver gave no dual")
-    theorem, statement = result.theorem, _statement(certificate, result.theorem)
+def exact_problems(certificate: Certificate, result: Result, relaxation: Relaxation) -> tuple[list[Functional], Exact]:
+    """The functional of every LMI, and the exact finite problem of any of them by their numbers."""
+    statement = _statement(certificate, result.theorem)
     domain = region(statement, relaxation.ties)
     every = functionals(result.problem, relaxation, domain)
-    for problem, solution, chosen in _parts(result):
-        mine = [every[k] for k in chosen]
-        functions = {name: unknown.functions for name, unknown in certificate.unknowns.items()}
-        exact = finite_problem(statement, functions, domain.equal, mine)
-        for share in SHARES:
-            try:
-                dual = exact_dual(exact, inner_dual(problem, solution, share), problem.matrix)
-                bound = lower_bound(exact, dual)
-            except CertificateError as error:
-                reason = error
-                continue
-            reports = {}
-            for name, expression in theorem.reports.items():
-                if expression == theorem.minimise:
-                    reports[name] = document.decimal_below(bound)
-                elif expression == sp.sqrt(theorem.minimise):
-                    reports[name] = document.root_below(max(bound, Fraction(0)))
-            return replace(certificate, lower=Lower(reports, tuple(mine), dual, infeasible=False))
+    functions = {name: unknown.functions for name, unknown in certificate.unknowns.items()}
+
+    def exact(chosen: Sequence[int]) -> FiniteProblem:
+        return finite_problem(statement, functions, domain.equal, [every[k] for k in chosen])
+
+    return every, exact
+
+
+def with_lower(
+    certificate: Certificate, theorem: Theorem, every: Sequence[Functional], duals: Iterable[DualCandidate]
+) -> Certificate:
+    """With the first dual that can be made exact. Raises CertificateError where none can."""
+    reason = CertificateError("the solver gave no dual")
+    for candidate in duals:
+        try:
+            dual, bound = exact_dual(candidate.problem, candidate.matrices)
+        except CertificateError as error:
+            reason = error
+            continue
+        reports = {}
+        for name, expression in theorem.reports.items():
+            if expression == theorem.minimise:
+                reports[name] = document.decimal_below(bound)
+            elif expression == sp.sqrt(theorem.minimise):
+                reports[name] = document.root_below(max(bound, Fraction(0)))
+        mine = tuple(every[k] for k in candidate.chosen)
+        return replace(certificate, lower=Lower(reports, mine, dual))
     raise reason
 
 
-def _parts(result: Result) -> Iterator[tuple[ConicProblem, Solution, Array]]:
-    """Problems to take the dual of: all LMIs if they are few, then the binding ones; with their numbers."""
-    problem, solution = result.problem, result.solution
-    binding = np.flatnonzero(binding_lmis(problem, solution))
-    everything = np.arange(len(problem.orders))
-    for chosen in (everything, binding) if len(everything) <= FEW else (binding,):
-        rows = np.concatenate([np.arange(problem.starts[k], problem.starts[k + 1]) for k in chosen])
-        yield problem.restricted(chosen), replace(solution, dual=solution.dual[rows]), chosen
+def lower_only(certificate: Certificate, result: Result, relaxation: Relaxation) -> Certificate:
+    """The certificate with a lower end from double precision."""
+    every, exact = exact_problems(certificate, result, relaxation)
+    candidates = in_double_precision(result, exact)
+    return with_lower(replace(certificate, solver=candidates.solver), result.theorem, every, candidates.duals)
 
 
 def refutation(
@@ -282,7 +354,7 @@ def refutation(
             f"the solver's answer is '{result.solution.status}', from which no bound is proven; "
             f"{result.solution.status.advice}"
         )
-    found = with_lower(blank(result, relaxation, given, sizes), result, relaxation)
+    found = lower_only(blank(result, relaxation, given, sizes), result, relaxation)
     assert found.lower is not None
     if not found.lower.reports:
         raise CertificateError("the theorem reports neither what it minimises nor its root, so no report is bounded")

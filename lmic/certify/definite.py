@@ -54,7 +54,7 @@ def proves_positive_definite(matrix: flint.arb_mat) -> bool:
     inverse factor X of its midpoint, which is near the identity, and Gershgorin's discs decide;
     X F Xᵀ ≻ 0 shows that X is regular and F ≻ 0.
     """
-    inverse = _inverse_factor(matrix.mid())
+    inverse = inverse_factor(matrix.mid())
     if inverse is None:
         return False
     rows = (inverse * matrix * inverse.transpose()).tolist()
@@ -63,7 +63,7 @@ def proves_positive_definite(matrix: flint.arb_mat) -> bool:
     )
 
 
-def _inverse_factor(matrix: flint.arb_mat) -> flint.arb_mat | None:
+def inverse_factor(matrix: flint.arb_mat) -> flint.arb_mat | None:
     """X with X F Xᵀ ≈ I, free of error; None where F is not positive definite at this precision."""
     order = matrix.nrows()
     rows = matrix.tolist()

@@ -26,6 +26,7 @@ Array: TypeAlias = NDArray[Any]
 _NUMBER = re.compile(
     r"(?P<head>-?\d{1,600})(?:/(?P<below>\d{1,600})|p(?P<power>-?\d{1,4})|\.(?P<after>\d{1,60}))?", re.A
 )
+_INTEGERS = re.compile(r"(-?\d{1,9}( -?\d{1,9})*)?", re.A)
 
 
 class _Printer(StrPrinter):
@@ -136,6 +137,21 @@ def symmetric(rows: Any) -> Array:
         for j, entry in enumerate(row, i):
             result[i, j] = result[j, i] = number(entry)
     return result
+
+
+def integers_text(matrix: Array) -> list[str]:
+    """Rows of integers, with blanks between them."""
+    return [" ".join(map(str, row)) for row in matrix.tolist()]
+
+
+def integers(rows: Any) -> Array:
+    """A matrix of integers from such rows."""
+    if not isinstance(rows, list) or not all(isinstance(row, str) and _INTEGERS.fullmatch(row) for row in rows):
+        raise CertificateError(f"{quoted(rows)} is not a matrix of integers")
+    found = [list(map(int, row.split())) for row in rows]
+    if len(set(map(len, found))) != 1:
+        raise CertificateError("a matrix has rows of different lengths")
+    return np.array(found, dtype=object)
 
 
 # Plants ---------------------------------------------------------------------------------------------

@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, TypeAlias
 
+import flint
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
@@ -133,6 +134,11 @@ class FiniteProblem:
     def size(self) -> int:
         """Number of scalar unknowns."""
         return len(self.cost)
+
+    @cached_property
+    def rational(self) -> bool:
+        """Whether all data are fractions, and none is known as a ball only."""
+        return not any(isinstance(value, flint.arb) for lmi in self.lmis for value in lmi.values)
 
 
 def finite_problem(

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lmic.assemble import ConicProblem
+from lmic.certify.statement import fractions, from_flint, to_flint
+from lmic.errors import CertificateError
 from lmic.solve import scaling
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData, ConeSolver
@@ -27,12 +29,18 @@ Array: TypeAlias = NDArray[Any]
 
 @dataclass(frozen=True)
 class InnerDual:
-    """Dual matrices in the coordinates of ``scaling`` over ``data``, whose unknowns are the ``kept`` ones."""
+    """Dual matrices in the coordinates of ``scaling``."""
 
     matrices: list[Array]
-    data: ConeData
     scaling: Scaling
-    kept: Array
+
+    def exact(self) -> list[Array]:
+        """The same in the problem's own coordinates, DᵀZD, as fractions; raises where they are not finite."""
+        if not all(np.isfinite(one).all() for one in self.matrices):
+            raise CertificateError("the solver gave no dual matrices")
+        pairs = zip(self.scaling.congruence, self.matrices, strict=True)
+        exact = ((to_flint(fractions(transform)), to_flint(fractions(one))) for transform, one in pairs)
+        return [from_flint(transform.transpose() * one * transform) for transform, one in exact]
 
 
 def inner_point(problem: ConicProblem, solution: Solution, share: float, solver: ConeSolver | None = None) -> Array:
@@ -48,10 +56,10 @@ def inner_point(problem: ConicProblem, solution: Solution, share: float, solver:
 
 def inner_dual(problem: ConicProblem, solution: Solution, share: float, solver: ConeSolver | None = None) -> InnerDual:
     """Positive definite dual matrices whose bound is about ``share`` of the objective below the optimum."""
-    data, transform, kept, identity = _centred(problem, solution)
+    data, transform, _, identity = _centred(problem, solution)
     margin = share * _objective(problem, solution) / _trace(data.offset, identity)
     answer = (solver or Clarabel())(replace(data, cost=data.cost - margin * (data.matrix.T @ identity)))
-    return InnerDual(slack_matrices(answer.z + margin * identity, problem.orders), data, transform, kept)
+    return InnerDual(slack_matrices(answer.z + margin * identity, problem.orders), transform)
 
 
 def _centred(problem: ConicProblem, solution: Solution) -> tuple[ConeData, Scaling, Array, Array]:

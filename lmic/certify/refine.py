@@ -17,7 +17,7 @@ import sympy as sp
 
 from lmic.bind import Binding
 from lmic.certify.certificate import Certificate
-from lmic.certify.certify import blank, proven_or_point, with_lower
+from lmic.certify.certify import blank, lower_only, proven_or_point
 from lmic.certify.verify import BUDGET
 from lmic.errors import CertificateError, LmicError, Place
 from lmic.pipeline import Result, finish, run
@@ -71,7 +71,7 @@ def certify_domain(
         found = proven_or_point(blank(result, relaxation, given, sizes), result, SHARE, budget)
         if isinstance(found, Certificate):
             try:
-                found = with_lower(found, result, relaxation)
+                found = lower_only(found, result, relaxation)
             except LmicError as error:
                 found = replace(found, notes=(f"no lower bound is proven: {error}",))
             return Refined(found, result, relaxation, tuple(values))

@@ -2,14 +2,14 @@
 
 What is proven: every LMI of the theorem is positive definite at the certificate's point, for every
 parameter of the domain (or at the points that it lists), and the reported values follow from that
-point; and no point does better than the lower bound, by dual matrices that satisfy their equalities
-exactly.
+point; no point does better than the lower bound, by dual matrices that satisfy their equalities
+exactly; or there is no point at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -21,7 +21,8 @@ from lmic.certify import document
 from lmic.certify.certificate import Certificate, Lower, Standing, Upper
 from lmic.certify.definite import is_positive_definite
 from lmic.certify.domain import ProofDomain, Proven, Witness, prove_positive
-from lmic.certify.finite import Functional, finite_problem
+from lmic.certify.finite import FiniteProblem, Functional, finite_problem
+from lmic.certify.infeasible import check_infeasible
 from lmic.certify.lower import lower_bound
 from lmic.certify.region import inside, region
 from lmic.certify.statement import Statement, to_flint
@@ -68,21 +69,24 @@ def verify(certificate: Certificate, theorem: Theorem | None = None) -> Verdict:
 
 def proven(certificate: Certificate, theorem: Theorem, budget: int = BUDGET) -> tuple[int, bool]:
     """Cells used, and whether the lower bound is one on the theorem; raises where a proof fails."""
-    if certificate.upper is None and certificate.lower is None:
+    if certificate.upper is None and certificate.lower is None and certificate.infeasible is None:
         raise CertificateError("it states nothing that could be proven")
     _check_data(certificate, theorem)
     statement = Statement(theorem, certificate.plant, certificate.scalars, certificate.dimensions)
     domain = region(statement, certificate.ties)
     cells = _prove_upper(certificate, certificate.upper, statement, domain, budget) if certificate.upper else 0
-    about_theorem = False
+    used: list[Functional] = []
     if certificate.lower:
-        _prove_lower(certificate, certificate.lower, statement, domain)
-        about_theorem = all(
-            axis.point is not None for functional in certificate.lower.functionals for axis in functional.axes
+        bound = lower_bound(
+            _finite(certificate, certificate.lower.functionals, statement, domain), certificate.lower.dual
         )
-        if not all(inside(functional, domain) for functional in certificate.lower.functionals):
-            raise CertificateError("a dual matrix belongs to a point outside the domain")
-    return cells, about_theorem
+        _check_reports(certificate.lower, bound, statement.theorem)
+        used += certificate.lower.functionals
+    if certificate.infeasible:
+        claim = certificate.infeasible
+        check_infeasible(_finite(certificate, claim.functionals, statement, domain), claim)
+        used += claim.functionals
+    return cells, bool(used) and all(axis.point is not None for functional in used for axis in functional.axes)
 
 
 def _check_data(certificate: Certificate, theorem: Theorem) -> None:
@@ -182,19 +186,21 @@ def at_least(
 # Lower bounds ---------------------------------------------------------------------------------------
 
 
-def _prove_lower(certificate: Certificate, lower: Lower, statement: Statement, domain: ProofDomain) -> None:
-    if any(functional.lmi not in statement.theorem.lmis for functional in lower.functionals):
+def _finite(
+    certificate: Certificate, functionals: Sequence[Functional], statement: Statement, domain: ProofDomain
+) -> FiniteProblem:
+    """The exact problem of the finite LMIs of a dual; raises where they are none of the theorem's on its domain."""
+    if any(functional.lmi not in statement.theorem.lmis for functional in functionals):
         raise CertificateError("a dual matrix belongs to no LMI of the theorem")
+    if not all(inside(functional, domain) for functional in functionals):
+        raise CertificateError("a dual matrix belongs to a point outside the domain")
     functions = {name: unknown.functions for name, unknown in certificate.unknowns.items()}
-    problem = finite_problem(statement, functions, domain.equal, lower.functionals)
-    if lower.infeasible:
-        problem = replace(problem, cost=np.full(problem.size, Fraction(0), dtype=object), constant=Fraction(0))
-        if lower.reports or not lower_bound(problem, lower.dual) > 0:
-            raise CertificateError("the dual matrices do not show that the LMIs have no solution")
-        return
-    bound = lower_bound(problem, lower.dual)
+    return finite_problem(statement, functions, domain.equal, functionals)
+
+
+def _check_reports(lower: Lower, bound: Fraction, theorem: Theorem) -> None:
     for name, claimed in lower.reports.items():
-        if not at_most(claimed, name, bound, statement.theorem):
+        if not at_most(claimed, name, bound, theorem):
             raise CertificateError(f"the dual matrices do not show that {name} is at least {document.decimal(claimed)}")
 
 

@@ -33,7 +33,7 @@ Array: TypeAlias = NDArray[Any]
 #: integers up to this are doubles
 EXACT = 2**53
 
-_PACKAGE = "sdpa-multiprecision"
+PACKAGE = "sdpa-multiprecision"
 _DIGITS = "%+.70Fe"
 _OPTIONS: Mapping[str, Any] = {
     "maxIteration": 400,
@@ -180,10 +180,10 @@ def _solve(cost: Array, blocks: Sequence[_Block], options: Mapping[str, Any]) ->
 def _package() -> tuple[Any, Any, Any]:
     """The three entries of the package; another package, in double precision, has the same import name."""
     try:
-        metadata.version(_PACKAGE)
+        metadata.version(PACKAGE)
     except metadata.PackageNotFoundError as error:
         raise LmicError(
-            f"multiprecision needs the package {_PACKAGE}; install it with pip install 'lmic[multiprecision]'"
+            f"multiprecision needs the package {PACKAGE}; install it with pip install 'lmic[multiprecision]'"
         ) from error
     try:
         metadata.version("sdpa-python")
@@ -191,8 +191,8 @@ def _package() -> tuple[Any, Any, Any]:
         solve_sdpa = import_module("sdpap.sdpacall.sdpacall").solve_sdpa
         return solve_sdpa, import_module("sdpap.param").param, import_module("sdpap.symcone").SymCone
     raise LmicError(
-        f"sdpa-python and {_PACKAGE} install the same module sdpap, in different precision; "
-        f"uninstall both and install {_PACKAGE} alone"
+        f"sdpa-python and {PACKAGE} install the same module sdpap, in different precision; "
+        f"uninstall both and install {PACKAGE} alone"
     )
 
 

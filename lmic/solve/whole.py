@@ -74,7 +74,8 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
     if doubtful:
         feasible = margin(problem, solver, passes)
         if feasible.value <= NO_MARGIN:
-            return _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
+            found = _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
+            return replace(found, dual=feasible.dual)
         # there is a point after all: begin again in its coordinates
         slack = data.matrix @ feasible.x + data.offset
         best, more = passes_of(reduced, solver, passes, guide=slack)

@@ -1,0 +1,132 @@
+"""Points and dual matrices that may prove an enclosure: from double precision, or from 200 bits.
+
+Nothing here is a proof. What is offered first gives away the least.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from importlib.metadata import version
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lmic.assemble import ConicProblem
+from lmic.certify.finite import FiniteProblem
+from lmic.certify.interior import inner_dual, inner_point
+from lmic.certify.statement import from_flint
+from lmic.errors import CertificateError
+from lmic.pipeline import Result
+from lmic.solve.cone import ConeData
+from lmic.solve.exchange import binding_lmis, relative_eigenvalues
+from lmic.solve.sdpa import PACKAGE, solve_precisely
+from lmic.solve.solution import Solution
+
+Array: TypeAlias = NDArray[Any]
+#: the exact problem of the LMIs with these numbers
+Exact: TypeAlias = Callable[[Sequence[int]], FiniteProblem]
+
+#: shares of the objective that are given away for a proof
+SHARES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
+#: LMIs up to which the dual of all is tried before that of the binding ones
+FEW = 40
+#: binary digits of an unknown's coordinate, tried in turn
+BITS = (53, 72, 96, 128, 192)
+#: gap and infeasibility at which SDPA stops. Both shrink at one pace, so that asking for less of either
+#: only makes the slacks and the dual matrices thinner
+STOP = {"epsilonStar": 1e-9, "epsilonDash": 1e-28}
+
+
+@dataclass(frozen=True)
+class DualCandidate:
+    """Positive definite matrices of fractions for the LMIs ``chosen``, and the exact problem of these."""
+
+    chosen: Sequence[int]
+    problem: FiniteProblem
+    matrices: list[Array]
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """``points`` are vectors of all unknowns, floats or fractions; ``solver`` says where both come from."""
+
+    points: Iterator[Array]
+    duals: Iterator[DualCandidate]
+    solver: str
+
+
+def in_double_precision(result: Result, exact: Exact) -> Candidates:
+    """Strictly inside the cones, by interior solutions near the result's."""
+    solver = double_precision(result.solution.solver)
+    return Candidates(interior_points(result, SHARES), _interior_duals(result, exact), solver)
+
+
+def in_multiprecision(result: Result, exact: Exact) -> Candidates:
+    """The last iterates of SDPA at 200 bits; raises LmicError without the package."""
+    chosen = _chosen(result)[0]
+    problem = exact(chosen)
+    if not problem.rational:
+        raise CertificateError("at 200 bits nothing is proven, since the data are not rational")
+    answer = solve_precisely(problem, **STOP)
+    points = (np.array([rounded(value, bits) for value in answer.x], dtype=object) for bits in BITS)
+    dual = DualCandidate(chosen, problem, [from_flint(matrix) for matrix in answer.duals])
+    return Candidates(points, iter((dual,)), f"{PACKAGE} {version(PACKAGE)}, 200 bits")
+
+
+def interior_points(result: Result, shares: Sequence[float]) -> Iterator[Array]:
+    """Points at which the finite LMIs hold strictly in floating point, the nearest to the optimum first."""
+    if result.theorem.minimise is None:
+        yield result.solution.x
+        return
+    for share in shares:
+        x = inner_point(result.problem, result.solution, share)
+        if np.isfinite(x).all() and relative_eigenvalues(result.problem, x).min() > 0:
+            yield x
+
+
+def rounded(value: Fraction, bits: int) -> Fraction:
+    """To so many binary digits."""
+    if value == 0:
+        return value
+    unit = Fraction(2) ** (value.numerator.bit_length() - value.denominator.bit_length() - bits)
+    return round(value / unit) * unit
+
+
+def _interior_duals(result: Result, exact: Exact) -> Iterator[DualCandidate]:
+    for problem, solution, chosen in _parts(result):
+        finite = exact(chosen)
+        for share in SHARES:
+            try:
+                matrices = inner_dual(problem, solution, share).exact()
+            except CertificateError:
+                continue
+            yield DualCandidate(chosen, finite, matrices)
+
+
+def _parts(result: Result) -> Iterator[tuple[ConicProblem, Solution, Sequence[int]]]:
+    """Problems to take the dual of, with the numbers of their LMIs."""
+    problem, solution = result.problem, result.solution
+    for chosen in _chosen(result):
+        rows = np.concatenate([np.arange(problem.starts[k], problem.starts[k + 1]) for k in chosen])
+        yield problem.restricted(np.array(chosen)), replace(solution, dual=solution.dual[rows]), chosen
+
+
+def _chosen(result: Result) -> list[list[int]]:
+    """All LMIs if they are few, and those that carry the dual."""
+    binding = np.flatnonzero(binding_lmis(result.problem, result.solution)).tolist()
+    everything = list(range(len(result.problem.orders)))
+    return [everything, binding] if len(everything) <= FEW else [binding]
+
+
+def binding_part(result: Result) -> ConeData:
+    """What a solver has to solve at the least: all LMIs if they are few, else those that bind."""
+    part = result.problem.restricted(np.array(_chosen(result)[0]))
+    return ConeData(part.cost, part.matrix, part.offset, part.orders)
+
+
+def double_precision(solver: str) -> str:
+    """How a certificate calls what it was made from."""
+    return f"{solver}, double precision"

@@ -1,0 +1,225 @@
+"""From a solver's dual matrices to ones that satisfy every equality exactly.
+
+They miss their equalities by rounding. The miss is removed by the smallest step in the metric of the
+matrices themselves, ΔZ = Σ_i y_i Z F_i Z, which moves every eigenvalue of Z by the same small share,
+however thin Z is. A step that is not small shows that Z must vanish in some directions
+(:mod:`lmic.certify.face`). What then is rounded away in writing the matrices down is left to the
+pivot entries (:mod:`lmic.certify.lower`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import flint
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sps
+from numpy.typing import NDArray
+
+from lmic import svec
+from lmic.certify.definite import is_positive_definite
+from lmic.certify.document import decimal_above
+from lmic.certify.face import compressed, face_of, on_face
+from lmic.certify.finite import FiniteLMI, FiniteProblem, Functional
+from lmic.certify.infeasible import MARGIN, Infeasible, feasibility_of, is_zero, largest_margin
+from lmic.certify.lower import Dual, Pivot, lower_bound, misses
+from lmic.certify.statement import fractions, from_flint, to_flint
+from lmic.errors import CertificateError
+from lmic.solve.lineality import lineality
+
+Array: TypeAlias = NDArray[Any]
+
+#: bits of the corrections, in fixed point
+PRECISION = 512
+#: binary digits of a dual entry, counted from the size that its diagonal entries give it; tried in turn
+BITS = (96, 128, 192, 256)
+#: what is added to the matrices so that they are positive definite, relative to their mean eigenvalue
+SHIFTS = (1e-12, 1e-10, 1e-8, 1e-6)
+#: bound on the unknowns of a proof that needs one; where the LMIs are homogeneous it is 1
+RADIUS = 10**6
+
+
+def exact_dual(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Dual, Fraction]:
+    """Dual matrices near given ones (of fractions, positive definite), and the bound that they prove.
+
+    Raises CertificateError where none are found.
+    """
+    whole = problem
+    kept, near = _corrected(problem, matrices)
+    faces = [_face(before, after) for before, after in zip(matrices, near, strict=True)]
+    if any(face is not None for face in faces):
+        problem = compressed(problem, faces)
+        near = [m if face is None else on_face(m, face) for m, face in zip(near, faces, strict=True)]
+        kept, near = _corrected(problem, near)
+    columns = svec_columns(problem)
+    reason = CertificateError("no positive definite dual matrices were found near the solver's")
+    for bits in BITS:
+        rounded = tuple(_rounded(matrix, bits) for matrix in near)
+        dual = Dual(rounded, tuple(faces), _pivots(rounded, columns, kept))
+        try:
+            return dual, lower_bound(whole, dual)
+        except CertificateError as error:
+            reason = error
+    raise reason
+
+
+def infeasibility(problem: FiniteProblem, functionals: Sequence[Functional], matrices: Sequence[Array]) -> Infeasible:
+    """From dual matrices of the largest margin, in floating point. Raises CertificateError where none is proven."""
+    problem = feasibility_of(problem)
+    shifted = list(_shifted(matrices))
+    for candidate in shifted:
+        try:
+            dual, bound = exact_dual(problem, candidate)
+        except CertificateError:
+            continue
+        if bound >= 0 and not is_zero(dual):
+            return Infeasible(tuple(functionals), dual, None, Fraction(0))
+    homogeneous = all((lmi.columns > 0).all() for lmi in problem.lmis)
+    radius = Fraction(1 if homogeneous else RADIUS)
+    duals = [Dual(tuple(candidate), (None,) * len(candidate), ()) for candidate in shifted]
+    claims = [Infeasible(tuple(functionals), dual, radius, Fraction(0)) for dual in duals]
+    found = min(
+        (replace(claim, margin=decimal_above(max(largest_margin(problem, claim), Fraction(0)), 3)) for claim in claims),
+        key=lambda claim: claim.margin,
+        default=None,
+    )
+    if found is None or found.margin > MARGIN:
+        raise CertificateError("the dual matrices do not show that the LMIs have no solution")
+    return found
+
+
+def svec_columns(problem: FiniteProblem) -> sps.csc_array:
+    """The columns of all unknowns in svec coordinates, LMI below LMI, in floating point."""
+    data, rows, cols = [], [], []
+    start = 0
+    for lmi in problem.lmis:
+        used = lmi.columns > 0
+        i, j = lmi.rows[used], lmi.cols[used]
+        data.append(lmi.values[used].astype(float) * np.where(i == j, 1.0, np.sqrt(2.0)))
+        rows.append(start + svec.packed_index(i, j))
+        cols.append(lmi.columns[used] - 1)
+        start += svec.length(lmi.order)
+    entries = np.concatenate(data), (np.concatenate(rows), np.concatenate(cols))
+    return sps.csc_array(sps.coo_array(entries, shape=(start, problem.size)))
+
+
+def _face(before: Array, after: Array) -> Array | None:
+    with flint.ctx.workprec(PRECISION):
+        return face_of(flint.arb_mat(to_flint(before)), flint.arb_mat(to_flint(after)))
+
+
+def _corrected(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Array, list[Array]]:
+    """The unknowns whose columns are independent, and Z + Σ_i y_i Z F_i Z, which meets their equalities."""
+    kept = lineality(svec_columns(problem)).kept
+    with flint.ctx.workprec(PRECISION):
+        miss = misses(problem, matrices)[kept]
+    metric = _metric(problem, matrices, kept)
+    size = len(kept)
+    with flint.ctx.workprec(PRECISION):
+        left = flint.arb_mat(size, size, [flint.arb(int(value)) for value in metric.ravel()])
+        right = flint.arb_mat(size, 1, [flint.arb(_fixed(value)) for value in miss])
+        try:
+            solution = left.solve(right, algorithm="approx").mid().entries()
+        except ZeroDivisionError as error:
+            raise CertificateError("the equalities of the dual are not independent") from error
+    y = dict(zip(kept.tolist(), map(_middle, solution), strict=True))
+    return kept, [matrix + _step(lmi, matrix, y) for lmi, matrix in zip(problem.lmis, matrices, strict=True)]
+
+
+def _metric(problem: FiniteProblem, matrices: Sequence[Array], kept: Array) -> Array:
+    """Σ_k ⟨F_i, Z F_j Z⟩ for the unknowns ``kept``, as integers in units of 2^-PRECISION."""
+    place = np.full(problem.size, -1)
+    place[kept] = np.arange(len(kept))
+    total = np.zeros((len(kept), len(kept)), dtype=object)
+    for lmi, matrix in zip(problem.lmis, matrices, strict=True):
+        used = lmi.columns > 0
+        used[used] = place[lmi.columns[used] - 1] >= 0
+        rows, cols = lmi.rows[used], lmi.cols[used]
+        unknown = place[lmi.columns[used] - 1]
+        values = np.array([_fixed(value) for value in lmi.values[used]], dtype=object)
+        off = rows != cols
+        entry = np.concatenate([rows * lmi.order + cols, (cols * lmi.order + rows)[off]])
+        unknown, values = np.concatenate([unknown, unknown[off]]), np.concatenate([values, values[off]])
+        distinct, position = np.unique(entry, return_inverse=True)
+        i, j = np.divmod(distinct, lmi.order)
+        fixed = np.array([[_fixed(value) for value in row] for row in matrix], dtype=object).reshape(matrix.shape)
+        kernel = (fixed[np.ix_(i, i)] * fixed[np.ix_(j, j)]) >> PRECISION
+        mine, local = np.unique(unknown, return_inverse=True)
+        half = np.zeros((len(distinct), len(mine)), dtype=object)
+        for k in range(len(entry)):
+            half[:, local[k]] += (kernel[:, position[k]] * values[k]) >> PRECISION
+        product = np.zeros((len(mine), len(mine)), dtype=object)
+        for k in range(len(entry)):
+            product[local[k]] += (half[position[k]] * values[k]) >> PRECISION
+        total[np.ix_(mine, mine)] += product
+    return total
+
+
+def _step(lmi: FiniteLMI, matrix: Array, y: dict[int, Fraction]) -> Array:
+    """Σ_i y_i Z F_i Z."""
+    direction = np.full((lmi.order, lmi.order), Fraction(0), dtype=object)
+    for column, row, col, value in zip(
+        lmi.columns.tolist(), lmi.rows.tolist(), lmi.cols.tolist(), lmi.values, strict=True
+    ):
+        if column - 1 in y:
+            direction[row, col] += _middle(value) * y[column - 1]
+    direction = np.triu(direction) + np.triu(direction, 1).T
+    weight = to_flint(matrix)
+    return from_flint(weight * to_flint(direction) * weight)
+
+
+def _middle(value: Any) -> Fraction:
+    """A fraction, or the midpoint of a ball."""
+    if isinstance(value, flint.arb):
+        mantissa, exponent = value.mid().man_exp()
+        return int(mantissa) * Fraction(2) ** int(exponent)
+    return Fraction(value)
+
+
+def _fixed(value: Any) -> int:
+    return int(_middle(value) * (1 << PRECISION))
+
+
+def _rounded(matrix: Array, bits: int) -> Array:
+    """To so many binary digits of what the diagonal allows each entry to be."""
+    exponents = [_exponent(entry) for entry in np.diag(matrix)]
+    result = np.empty_like(matrix)
+    for i, j in np.ndindex(*matrix.shape):
+        unit = Fraction(2) ** ((exponents[i] + exponents[j]) // 2 - bits)
+        result[i, j] = round(matrix[i, j] / unit) * unit
+    return result
+
+
+def _exponent(value: Fraction) -> int:
+    """About log2 of a positive fraction."""
+    if value <= 0:
+        raise CertificateError("no positive definite dual matrices were found near the solver's")
+    return value.numerator.bit_length() - value.denominator.bit_length()
+
+
+def _pivots(matrices: Sequence[Array], columns: sps.csc_array, kept: Array) -> tuple[Pivot, ...]:
+    """One entry of Z for each kept column, so that the system is well conditioned in the sizes of the entries."""
+    places, sizes = [], []
+    for k, one in enumerate(matrices):
+        diagonal = np.sqrt(np.diag(one).astype(float))
+        rows, cols = svec.triangle(len(one))
+        places += [(k, int(i), int(j)) for i, j in zip(rows, cols, strict=True)]
+        sizes.append(diagonal[rows] * diagonal[cols])
+    weighted = sps.diags_array(np.concatenate(sizes)) @ columns[:, kept]
+    norms = np.sqrt(np.asarray(weighted.multiply(weighted).sum(axis=0)).ravel())
+    dense = (weighted @ sps.diags_array(1 / norms)).toarray().T
+    order = scipy.linalg.qr(dense, mode="r", pivoting=True)[1][: len(kept)]
+    return tuple(Pivot(int(column), *places[int(entry)]) for column, entry in zip(kept, order, strict=True))
+
+
+def _shifted(matrices: Sequence[Array]) -> Iterator[list[Array]]:
+    trace = sum(float(np.trace(matrix)) for matrix in matrices)
+    mean = trace / sum(len(matrix) for matrix in matrices)
+    for shift in SHIFTS:
+        found = [fractions((m + m.T) / 2 + shift * mean * np.eye(len(m))) for m in matrices]
+        if all(is_positive_definite(to_flint(matrix)) for matrix in found):
+            yield found

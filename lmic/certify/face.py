@@ -1,0 +1,111 @@
+"""Faces of the cone of dual matrices: Z = V W Vᵀ with W ≻ 0 and an integer V.
+
+Where the unknowns may grow without end at no cost, some F(x) grows along v vᵀ and every dual matrix
+must have Z v = 0: none is positive definite, and rounding decides the sign of what should be zero.
+On the face the problem is that of the compressed LMIs Vᵀ F(x) V ⪰ 0. They follow from the LMIs
+whatever V is, so a bound proven for them holds, and only the search for V may fail.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from math import lcm
+from typing import Any, TypeAlias
+
+import flint
+import numpy as np
+from numpy.typing import NDArray
+
+from lmic.certify.definite import inverse_factor
+from lmic.certify.finite import FiniteLMI, FiniteProblem
+from lmic.errors import CertificateError
+
+Array: TypeAlias = NDArray[Any]
+
+#: what remains of a direction of Z that must be zero, relative to what it was before the equalities were met
+VANISHED = 1e-3
+#: denominators of the null space that are looked for, and how near its entries have to be to such fractions
+DENOMINATOR, NEAR = 64, 1e-5
+
+
+def compressed(problem: FiniteProblem, faces: Sequence[Array | None]) -> FiniteProblem:
+    """The problem with Vᵀ F V for each LMI that has a face; one with no columns is left without entries."""
+    lmis = [lmi if face is None else _compressed(lmi, face) for lmi, face in zip(problem.lmis, faces, strict=True)]
+    return replace(problem, lmis=tuple(lmis))
+
+
+def _compressed(lmi: FiniteLMI, face: Array) -> FiniteLMI:
+    supports = [np.flatnonzero(row) for row in face]
+    entries: dict[tuple[int, int, int], Any] = defaultdict(Fraction)
+    for column, row, col, value in zip(
+        lmi.columns.tolist(), lmi.rows.tolist(), lmi.cols.tolist(), lmi.values, strict=True
+    ):
+        for i, j in {(row, col), (col, row)}:
+            for a in supports[i]:
+                for b in supports[j]:
+                    if a <= b:
+                        entries[column, int(a), int(b)] += value * int(face[i, a]) * int(face[j, b])
+    kept = sorted(key for key, value in entries.items() if value != 0)
+    places = np.array(kept, dtype=int).reshape(-1, 3)
+    values = np.array([entries[key] for key in kept] + [None], dtype=object)[:-1]
+    return FiniteLMI(face.shape[1], places[:, 0], places[:, 1], places[:, 2], values)
+
+
+def face_of(before: flint.arb_mat, after: flint.arb_mat) -> Array | None:
+    """V of the face that holds ``after``, by the directions in which it vanishes beside ``before`` ≻ 0.
+
+    None where there are none. Raises CertificateError where they span no space of small fractions.
+    """
+    order = before.nrows()
+    inverse = inverse_factor(before)
+    if inverse is None:
+        raise CertificateError("a dual matrix is not positive definite")
+    relative = (inverse * after * inverse.transpose()).mid()
+    values, vectors = np.linalg.eigh(_floats(relative))
+    null = np.abs(values) < VANISHED
+    if not null.any():
+        return None
+    directions = _floats((inverse.transpose() * flint.arb_mat(vectors[:, null].tolist())).mid())
+    return _orthogonal(directions.T, order)
+
+
+def on_face(matrix: Array, face: Array) -> Array:
+    """W with V W Vᵀ nearest to a matrix of fractions on the face, read off the rows in which V is diagonal."""
+    free = [
+        int(np.flatnonzero(np.count_nonzero(face, axis=1) * (face[:, a] != 0) == 1)[0]) for a in range(face.shape[1])
+    ]
+    scale = np.array([Fraction(1, int(face[row, a])) for a, row in enumerate(free)], dtype=object)
+    return np.asarray(matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :])
+
+
+def _orthogonal(rows: Array, order: int) -> Array:
+    """Integer columns that span the orthogonal complement of some rows, diagonal in the rows that are free."""
+    reduced = rows.copy()
+    pivots: list[int] = []
+    for k in range(len(reduced)):
+        i, j = divmod(int(np.abs(reduced[k:]).argmax()), order)
+        reduced[[k, k + i]] = reduced[[k + i, k]]
+        reduced[k] /= reduced[k, j]
+        others = np.arange(len(reduced)) != k
+        reduced[others] -= reduced[others, j][:, None] * reduced[k]
+        pivots.append(j)
+    exact = [[Fraction(value).limit_denominator(DENOMINATOR) for value in row] for row in reduced.tolist()]
+    if exact and np.abs(np.array(exact, dtype=float) - reduced).max() > NEAR:
+        raise CertificateError("the dual matrices must vanish in directions that are no small fractions")
+    free = [j for j in range(order) if j not in pivots]
+    face = np.zeros((order, len(free)), dtype=object)
+    for a, j in enumerate(free):
+        column = [row[j] for row in exact]
+        factor = lcm(*(value.denominator for value in column))
+        face[j, a] = factor
+        for pivot, value in zip(pivots, column, strict=True):
+            face[pivot, a] = int(-value * factor)
+    return face
+
+
+def _floats(matrix: flint.arb_mat) -> Array:
+    values = [float(entry.mid()) for entry in matrix.entries()]
+    return np.array(values).reshape(matrix.nrows(), matrix.ncols())
