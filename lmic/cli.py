@@ -276,10 +276,11 @@ def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) 
     "--certify",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Prove an enclosure of every number anew, and write the certificates to a folder.",
+    help="Prove an enclosure of every number anew (as --fresh), and write the certificates to a folder.",
 )
+@click.option("--fresh", is_flag=True, help="Prove every enclosure anew, instead of the library's certificates.")
 @JSON
-def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_json: bool) -> None:
+def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh: bool, as_json: bool) -> None:
     """Regenerate the papers' tables and figures (all, or by the beginning of their ids), and one report."""
     from time import perf_counter
 
@@ -302,7 +303,7 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, as_jso
     for table in tables:
         outcomes = {}
         with terminal.progress(len(table.cases), table.paper, quiet=as_json) as advance:
-            for outcome in run_table(table, fresh=bool(certify)):
+            for outcome in run_table(table, fresh=fresh or certify is not None):
                 outcomes[outcome.case.id] = outcome
                 if certify and outcome.enclosure and outcome.certificate:
                     outcome.certificate.write(certify / f"{outcome.case.id}.json")

@@ -19,6 +19,9 @@ from lmic.errors import DomainError
 Array: TypeAlias = NDArray[Any]
 Bounds: TypeAlias = Mapping[str, Any]
 
+#: how far outside a domain rounding may leave a point that was computed in floating point, relative to its size
+ROUNDING = 1e-9
+
 
 class Domain(ABC):
     """A polytope of parameter values; ``components`` name its coordinates."""
@@ -34,6 +37,10 @@ class Domain(ABC):
     @abstractmethod
     def sample(self, count: int, generator: np.random.Generator) -> Array:
         """Random points, shape (count, components)."""
+
+    @abstractmethod
+    def contains(self, points: Array) -> Array:
+        """Whether each of the points, shape (K, components), lies in the domain, rounding apart."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,11 @@ class SimplexDomain(Domain):
     def sample(self, count: int, generator: np.random.Generator) -> Array:
         """Uniform on the simplex."""
         return generator.dirichlet(np.ones(len(self.components)), size=count)
+
+    def contains(self, points: Array) -> Array:
+        """Nonnegative, with the sum one."""
+        inside: Array = (points >= -ROUNDING).all(axis=1) & (np.abs(points.sum(axis=1) - 1) <= ROUNDING)
+        return inside
 
     def __str__(self) -> str:
         return f"unit simplex with {len(self.components)} vertices"
@@ -102,6 +114,13 @@ class BoxDomain(Domain):
         low, high = np.array(self.lower, dtype=float), np.array(self.upper, dtype=float)
         return low + generator.random((count, len(low))) * (high - low)
 
+    def contains(self, points: Array) -> Array:
+        """Every component in its interval."""
+        low, high = np.array(self.lower, dtype=float), np.array(self.upper, dtype=float)
+        allowance = ROUNDING * np.maximum(np.abs(low), np.abs(high))
+        inside: Array = ((points >= low - allowance) & (points <= high + allowance)).all(axis=1)
+        return inside
+
     def __str__(self) -> str:
         sides = zip(self.components, self.lower, self.upper, strict=True)
         return " x ".join(f"{name} in [{float(a):g}, {float(b):g}]" for name, a, b in sides)
@@ -123,6 +142,14 @@ class PolytopeDomain(Domain):
     def sample(self, count: int, generator: np.random.Generator) -> Array:
         """Random convex combinations of the vertices."""
         return generator.dirichlet(np.ones(len(self.points)), size=count) @ self.vertices
+
+    def contains(self, points: Array) -> Array:
+        """Convex combinations of the vertices."""
+        from scipy.optimize import nnls
+
+        system = np.vstack([self.vertices.T, np.ones(len(self.vertices))])
+        allowance = ROUNDING * max(1.0, float(np.abs(self.vertices).max()))
+        return np.array([nnls(system, np.append(point, 1.0))[1] <= allowance for point in points])
 
     def __str__(self) -> str:
         return f"polytope with {len(self.points)} vertices"

@@ -34,7 +34,9 @@ OPTIONS = (
     _several("--dependence", "dependence", "UNKNOWN=CHOICE", "A degree, 'constant', or '1; rho1; sin(rho1)'."),
     _several("--size", "sizes", "NAME=N", "A dimension that no matrix of the plant fixes."),
     _several("--polya", "polya", "[NAME=]DEGREE", "Pólya degree, for all parameters or for one."),
-    _several("--grid", "grid", "NAME=GRID", "Points where a grid is used: 5, chebyshev:9, random:100."),
+    _several(
+        "--grid", "grid", "NAME=GRID", "Points where a grid is used: 5, chebyshev:9, random:100, or '(1, 0); (0, 1)'."
+    ),
     _several("--cover", "cover", "NAME=GAIN", "Grid that covers the sampling intervals: h=rigorous or h=published."),
     _several("--relax", "method", "NAME=METHOD", "auto, vertices, polya or grid."),
     _several("--tie", "ties", "B=A", "Instance b of a parameter equals instance a."),
@@ -102,7 +104,7 @@ class Choices:
         from lmic.relax.relax import Relaxation
         from lmic.sampling import cover
 
-        grid = {name: _grid(value) for name, value in _pairs(self.grid, "--grid").items()}
+        grid = {name: _grid(name, value) for name, value in _pairs(self.grid, "--grid").items()}
         covered = {name: cover(plant, _gain(value), name).grid for name, value in _pairs(self.cover, "--cover").items()}
         return Relaxation(
             method=_pairs(self.method, "--relax"),
@@ -156,11 +158,28 @@ def dependences(texts: Sequence[str]) -> dict[str, Any]:
     return found
 
 
-def _grid(text: str) -> Grid:
+def _grid(name: str, text: str) -> Grid:
     from lmic.relax.grid import Grid
 
+    if "(" in text or ")" in text:
+        return Grid.at([_point(part.strip(), f"--grid {name}") for part in text.split(";")])
     kind, _, count = text.rpartition(":")
     return Grid(_count(count, "--grid"), kind or "uniform")
+
+
+def _point(text: str, option: str) -> list[float]:
+    """``"(1/3, 0)"`` as its coordinates."""
+    if not (text.startswith("(") and text.endswith(")")):
+        raise LmicError(f"'{text}' after {option} is no point; write points as '(1, 0); (0, 1)'")
+    found = []
+    for coordinate in text[1:-1].split(","):
+        try:
+            found.append(float(numbers([f"coordinate={coordinate}"], option)["coordinate"]))
+        except LmicError as error:
+            raise LmicError(
+                f"'{coordinate.strip()}' in {text} after {option} is no finite number; write one such as 0.5 or 1/3"
+            ) from error
+    return found
 
 
 def _gain(text: str) -> Gain:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from lmic.certify.certificate import Standing, read_certificate
 from lmic.certify.verify import verify
+from lmic.cli import main
 
 FOLDER = Path(__file__).parent.parent / "certificates"
 FILES = sorted(FOLDER.glob("*.json"))
@@ -62,3 +65,22 @@ def test_the_printed_values_of_s1_are_refuted() -> None:
         certificate = read_certificate(FOLDER / f"wu2007.table1.{case}.point.json")
         assert certificate.lower
         assert certificate.lower.reports["gamma"] > Fraction(printed)
+
+
+def test_fresh_enclosures_need_no_stored_certificate(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("lmic.papers.enclosures.folder", lambda: tmp_path / "none")
+    command = ["reproduce", "peixoto2025.table1.robust", "-o", str(tmp_path / "reports"), "--json"]
+    (numerical,) = json.loads(CliRunner().invoke(main, command).output)
+    assert (numerical["standing"], numerical["lower"], numerical["upper"]) == ("numerical", None, None)
+    (fresh,) = json.loads(CliRunner().invoke(main, [*command, "--fresh"]).output)
+    assert fresh["standing"] == "certified"
+    assert (
+        fresh["lower"]
+        <= float(REFERENCE["peixoto2025.corollary1"][150])
+        <= fresh["upper"]
+        <= fresh["lower"] * (1 + 1e-6)
+    )
+    written = tmp_path / "written"
+    (certified,) = json.loads(CliRunner().invoke(main, [*command, "--certify", str(written)]).output)
+    assert certified["standing"] == "certified"
+    assert [path.name for path in written.iterdir()] == ["peixoto2025.table1.robust.json"]

@@ -19,9 +19,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.certify.sparse import Monomial, SparsePolynomial, dense_monomials, listed
 from lmic.certify.statement import Statement, is_coordinate
 from lmic.errors import CertificateError
-from lmic.polynomials import MatrixPolynomial
+from lmic.polynomials import MatrixPolynomial, Monomials
 
 Array: TypeAlias = NDArray[Any]
 Powers: TypeAlias = tuple[int, ...]
@@ -56,15 +57,18 @@ class Functional:
     axes: tuple[Coefficient, ...]
 
     def weights(self, polynomial: MatrixPolynomial) -> list[Fraction]:
-        """Its value for each monomial, the coordinates of the unknowns apart."""
-        atoms = polynomial.monomials.atoms
+        """Its value for each monomial of a matrix."""
+        return self.monomial_weights(polynomial.monomials)
+
+    def monomial_weights(self, monomials: Monomials) -> list[Fraction]:
+        """Its value for each monomial; raises where one is no polynomial in the symbols of the axes."""
+        atoms = monomials.atoms
         columns = [[atoms.index(s) if s in atoms else None for s in axis.symbols] for axis in self.axes]
-        covered = {atoms[c] for axis in columns for c in axis if c is not None}
-        for atom in atoms:
-            if atom not in covered and not (isinstance(atom, sp.Symbol) and is_coordinate(atom)):
-                raise CertificateError(f"{atom} has no exact rational value in the LMI '{self.lmi}'")
+        foreign = set(atoms) - {symbol for axis in self.axes for symbol in axis.symbols}
+        if foreign:
+            raise CertificateError(f"{min(map(str, foreign))} has no exact rational value in the LMI '{self.lmi}'")
         found: list[Fraction] = []
-        for row in polynomial.monomials.exponents.tolist():
+        for row in monomials.exponents.tolist():
             product = Fraction(1)
             for axis, places in zip(self.axes, columns, strict=True):
                 product *= axis.weight(tuple(0 if c is None else row[c] for c in places))
@@ -156,48 +160,74 @@ def finite_problem(
     for name, basis in functions.items():
         unknowns[name] = statement.symbolic(name, basis, first)
         first += (int(statement.coordinates(name).max()) + 1) * len(basis)
-    matrices = {
-        lmi: statement.matrix(lmi, unknowns).renamed(equal) for lmi in dict.fromkeys(f.lmi for f in functionals)
-    }
-    sparse = {lmi: _sparse(matrix) for lmi, matrix in matrices.items()}
-    lmis = tuple(_applied(f, matrices[f.lmi], sparse[f.lmi]) for f in functionals)
-    if statement.theorem.minimise is None:
-        return FiniteProblem(lmis, np.full(first, Fraction(0), dtype=object), Fraction(0))
-    objective = statement.expression(statement.theorem.minimise, unknowns)
+    occurring = dict.fromkeys(functional.lmi for functional in functionals)
+    terms = {lmi: _Terms.of(statement.sparse_matrix(lmi, unknowns).renamed(equal)) for lmi in occurring}
+    lmis = tuple(terms[functional.lmi].at(functional) for functional in functionals)
     cost = np.full(first + 1, Fraction(0), dtype=object)
-    np.add.at(cost, _columns(objective), objective.coefficients[:, 0, 0])
+    if statement.theorem.minimise is not None:
+        for monomial, value in statement.sparse_expression(statement.theorem.minimise, unknowns).entry.items():
+            function, column = _affine(monomial)
+            if function:
+                raise CertificateError("the objective depends on a parameter")
+            cost[column] += value
     return FiniteProblem(lmis, cost[1:], cost[0])
 
 
-def _columns(polynomial: MatrixPolynomial) -> Array:
-    """For each monomial 1 + the number of its coordinate, 0 without one; raises unless affine."""
-    columns = np.zeros(len(polynomial.monomials), dtype=int)
-    degrees = np.zeros(len(polynomial.monomials), dtype=int)
-    for k, atom in enumerate(polynomial.monomials.atoms):
-        inside = [symbol for symbol in atom.free_symbols if is_coordinate(symbol)]
-        if inside:
-            powers = polynomial.monomials.exponents[:, k]
-            degrees += powers if atom == inside[0] else 2
-            columns[powers > 0] = 1 + int(str(inside[0])[2:-1])
-    if (degrees > 1).any():
-        raise CertificateError("the unknowns do not enter affinely")
-    return columns
+def _affine(monomial: Monomial) -> tuple[Monomial, int]:
+    """The function of the parameters, and 1 + the number of the coordinate, 0 without one; raises unless affine."""
+    function, column = [], 0
+    for atom, power in monomial:
+        if not any(map(is_coordinate, atom.free_symbols)):
+            function.append((atom, power))
+        elif column or power != 1 or not is_coordinate(atom):
+            raise CertificateError("the unknowns do not enter affinely")
+        else:
+            column = 1 + int(atom.name[2:-1])
+    return frozenset(function), column
 
 
-def _sparse(polynomial: MatrixPolynomial) -> tuple[Array, Array, Array, Array, Array]:
-    """Monomial, column, row, col and value of the nonzero entries on and above the diagonal."""
-    upper = np.triu(np.ones(polynomial.shape, dtype=bool))
-    monomial, row, col = np.nonzero((polynomial.coefficients != 0) & upper)
-    return monomial, _columns(polynomial)[monomial], row, col, polynomial.coefficients[monomial, row, col]
+@dataclass(frozen=True)
+class _Terms:
+    """An LMI's terms on and above the diagonal, each a value · a monomial of the parameters in F_column - 1.
 
+    ``monomial`` is the number of that among ``monomials``; column 0 is the constant.
+    """
 
-def _applied(functional: Functional, matrix: MatrixPolynomial, sparse: tuple[Array, ...]) -> FiniteLMI:
-    monomial, column, row, col, value = sparse
-    weighted = np.array(functional.weights(matrix), dtype=object)[monomial] * value
-    order = matrix.shape[0]
-    key, place = np.unique((column * order + row) * order + col, return_inverse=True)
-    values = np.full(len(key), Fraction(0), dtype=object)
-    np.add.at(values, place, weighted)
-    used = values != 0
-    key, values = key[used], values[used]
-    return FiniteLMI(order, key // order**2, key // order % order, key % order, values)
+    order: int
+    monomials: Monomials
+    monomial: Array
+    columns: Array
+    rows: Array
+    cols: Array
+    values: Array
+
+    @classmethod
+    def of(cls, matrix: SparsePolynomial) -> _Terms:
+        """The terms of a matrix that is affine in the coordinates."""
+        parts = {monomial: _affine(monomial) for monomial in matrix.monomials}
+        monomials = dense_monomials({function for function, _ in parts.values()})
+        number = {function: k for k, function in enumerate(listed(monomials))}
+        upper = [((i, j), *parts[m], value) for (i, j), m, value in matrix.terms() if i <= j]
+        places = np.array([place for place, *_ in upper], dtype=int).reshape(-1, 2)
+        return cls(
+            matrix.shape[0],
+            monomials,
+            np.array([number[function] for _, function, _, _ in upper], dtype=int),
+            np.array([column for _, _, column, _ in upper], dtype=int),
+            places[:, 0],
+            places[:, 1],
+            np.array([value for *_, value in upper], dtype=object),
+        )
+
+    def at(self, functional: Functional) -> FiniteLMI:
+        """The finite LMI of a functional."""
+        weights = np.array(functional.monomial_weights(self.monomials), dtype=object)[self.monomial]
+        seen = np.flatnonzero(weights)
+        order = self.order
+        keys = (self.columns[seen] * order + self.rows[seen]) * order + self.cols[seen]
+        key, place = np.unique(keys, return_inverse=True)
+        values = np.full(len(key), Fraction(0), dtype=object)
+        np.add.at(values, place, weights[seen] * self.values[seen])
+        used = np.flatnonzero(values)
+        key, values = key[used], values[used]
+        return FiniteLMI(order, key // order**2, key // order % order, key % order, values)

@@ -73,6 +73,6 @@ def _inside(point: list[float], domain: Domain) -> tuple[Fraction, ...]:
             ends = zip(exact, domain.lower, domain.upper, strict=True)
             return tuple(min(max(value, low), high) for value, low, high in ends)
         case SimplexDomain():
-            total = sum(exact)
-            return tuple(value / total for value in exact)
+            positive = [max(value, Fraction(0)) for value in exact]
+            return tuple(value / sum(positive) for value in positive)
     return tuple(exact)

@@ -19,6 +19,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.certify.sparse import Monomial, SparsePolynomial, Terms
 from lmic.errors import CertificateError, Place
 from lmic.language.declarations import Star
 from lmic.language.nodes import (
@@ -39,7 +40,7 @@ from lmic.language.nodes import (
 from lmic.language.parameters import instance_symbol, rate_symbol
 from lmic.language.theorem import LMI, Theorem
 from lmic.plants.plant import Plant
-from lmic.polynomials import MatrixPolynomial, Monomials, scalar_terms, union
+from lmic.polynomials import MatrixPolynomial
 from lmic.sizes import solve_sizes
 
 Array: TypeAlias = NDArray[Any]
@@ -69,13 +70,15 @@ class Statement:
         return int(expression.subs(self.sizes))
 
     @cached_property
-    def data(self) -> dict[str, MatrixPolynomial]:
+    def data(self) -> dict[str, SparsePolynomial]:
         """The plant's matrices with its scalars put in."""
         values = {sp.Symbol(name): _rational(value) for name, value in self.scalars.items()}
         return {
-            name: MatrixPolynomial.from_sympy(matrix.to_sympy().xreplace(values))
-            if any(atom.free_symbols & set(values) for atom in matrix.monomials.atoms)
-            else matrix
+            name: SparsePolynomial.from_dense(
+                MatrixPolynomial.from_sympy(matrix.to_sympy().xreplace(values))
+                if any(atom.free_symbols & set(values) for atom in matrix.monomials.atoms)
+                else matrix
+            )
             for name, matrix in self.plant.matrices.items()
         }
 
@@ -134,9 +137,10 @@ class Statement:
                 raise self.error(f"the unknown {name} has an entry outside its blocks")
             if self._symmetric(name) and (matrix != matrix.T).any():
                 raise self.error(f"the unknown {name} is not symmetric")
-        return reduce(operator.add, [constant(matrix).scaled(scalar(f)) for f, matrix in matrices.items()])
+        scaled = [SparsePolynomial.constant(m).scaled(SparsePolynomial.scalar(f)) for f, m in matrices.items()]
+        return reduce(operator.add, scaled).dense()
 
-    def symbolic(self, name: str, functions: Sequence[sp.Expr], first: int) -> MatrixPolynomial:
+    def symbolic(self, name: str, functions: Sequence[sp.Expr], first: int) -> SparsePolynomial:
         """An unknown with its coordinates as atoms, ``first`` the number of its first one.
 
         Basis function b and coordinate c are atom number first + b·count + c.
@@ -144,11 +148,12 @@ class Statement:
         self.check_dependence(name, functions)
         numbers = self.coordinates(name)
         count = int(numbers.max()) + 1
+        places = [((i, j), c) for (i, j), c in np.ndenumerate(numbers) if c >= 0]
         parts = []
         for b, function in enumerate(functions):
-            atoms = [coordinate_symbol(first + b * count + c) for c in range(count)]
-            picked = np.array([numbers == c for c in range(count)]) + fractions(np.zeros((count, *numbers.shape)))
-            parts.append(MatrixPolynomial(Monomials.of(*atoms), picked).scaled(scalar(function)))
+            atoms = [frozenset([(coordinate_symbol(first + b * count + c), 1)]) for c in range(count)]
+            matrix = SparsePolynomial.of(numbers.shape, ((place, atoms[c], Fraction(1)) for place, c in places))
+            parts.append(matrix.scaled(SparsePolynomial.scalar(function)))
         return reduce(operator.add, parts)
 
     def _symmetric(self, name: str) -> bool:
@@ -158,10 +163,18 @@ class Statement:
 
     def matrix(self, name: str, unknowns: Mapping[str, MatrixPolynomial]) -> MatrixPolynomial:
         """F of the LMI ``name``, with F ≻ 0 stated; ``unknowns`` hold matrices and scalars (1 x 1) by name."""
+        return self.sparse_matrix(name, _sparse(unknowns)).dense()
+
+    def sparse_matrix(self, name: str, unknowns: Mapping[str, SparsePolynomial]) -> SparsePolynomial:
+        """The same with unknowns of many monomials, such as :meth:`symbolic` makes."""
         return _Reader(self, unknowns).lmi(self.theorem.lmis[name], name)
 
     def expression(self, expression: sp.Expr, unknowns: Mapping[str, MatrixPolynomial]) -> MatrixPolynomial:
         """A scalar expression in the given scalars and the scalar unknowns, 1 x 1."""
+        return self.sparse_expression(expression, _sparse(unknowns)).dense()
+
+    def sparse_expression(self, expression: sp.Expr, unknowns: Mapping[str, SparsePolynomial]) -> SparsePolynomial:
+        """The same with unknowns such as :meth:`symbolic` makes."""
         return _Reader(self, unknowns).scalar(sp.sympify(expression))
 
     def error(self, message: str, lmi: str = "") -> CertificateError:
@@ -172,9 +185,9 @@ class Statement:
 @dataclass(frozen=True)
 class _Reader:
     statement: Statement
-    unknowns: Mapping[str, MatrixPolynomial]
+    unknowns: Mapping[str, SparsePolynomial]
 
-    def lmi(self, lmi: LMI, name: str) -> MatrixPolynomial:
+    def lmi(self, lmi: LMI, name: str) -> SparsePolynomial:
         """The block matrix with its stars filled, turned to F ≻ 0."""
         size = len(lmi.rows)
         blocks = [[self.entry(entry) for entry in row] for row in lmi.rows]
@@ -190,37 +203,37 @@ class _Reader:
             if len(set(heights + widths)) != 1:
                 raise self.statement.error(f"block row {k + 1} has no size, or more than one", name)
             partition.append((heights + widths)[0])
-        matrix = _nonzero(_joined(blocks, partition, partition))
-        if (matrix.coefficients != matrix.coefficients.transpose(0, 2, 1)).any():
+        matrix = SparsePolynomial.joined(blocks, partition, partition)
+        if not matrix.is_symmetric:
             raise self.statement.error("the matrix is not symmetric", name)
-        return matrix if lmi.sense > 0 else MatrixPolynomial(matrix.monomials, -matrix.coefficients)
+        return matrix if lmi.sense > 0 else -matrix
 
-    def entry(self, entry: Any) -> MatrixPolynomial | None:
+    def entry(self, entry: Any) -> SparsePolynomial | None:
         """A block; None for a star or a zero."""
         if isinstance(entry, Node):
             return self.node(entry)
         return None if isinstance(entry, Star) or is_zero(entry) else self.scalar(sp.sympify(entry))
 
-    def scalar(self, expression: sp.Expr) -> MatrixPolynomial:
+    def scalar(self, expression: sp.Expr) -> SparsePolynomial:
         """A scalar expression as a 1 x 1 polynomial; floats stand for the decimals they are written as."""
         values: dict[sp.Basic, sp.Expr] = {
             number: sp.Rational(repr(float(number))) for number in expression.atoms(sp.Float)
         }
         for symbol in expression.free_symbols:
             if symbol.name in self.unknowns:
-                values[symbol] = self.unknowns[symbol.name].to_sympy()[0, 0]
+                values[symbol] = self.unknowns[symbol.name].dense().to_sympy()[0, 0]
             elif symbol.name in self.statement.scalars:
                 values[symbol] = _rational(self.statement.scalars[symbol.name])
             else:
                 raise self.statement.error(f"the scalar {symbol} has no value")
-        return scalar(expression.xreplace(values))
+        return SparsePolynomial.scalar(expression.xreplace(values))
 
-    def leaf(self, leaf: Leaf) -> MatrixPolynomial:
+    def leaf(self, leaf: Leaf) -> SparsePolynomial:
         """A named matrix at its instances, or its derivative along the trajectory."""
         components = self.statement.components(leaf)
         value = self.unknowns[leaf.name] if leaf.role == "unknown" else self.statement.data[leaf.name]
         allowed = {sp.Symbol(component) for component, _ in components}
-        for atom in value.monomials.atoms:
+        for atom in value.atoms:
             foreign = {symbol for symbol in atom.free_symbols - allowed if not is_coordinate(symbol)}
             if foreign:
                 raise self.statement.error(
@@ -230,16 +243,16 @@ class _Reader:
             value = _derivative(value, [component for component, _ in components])
         return value.renamed({sp.Symbol(c): instance_symbol(c, instance) for c, instance in components if instance})
 
-    def node(self, node: Node) -> MatrixPolynomial:
+    def node(self, node: Node) -> SparsePolynomial:
         """The value of an expression."""
         size = self.statement.size
         match node:
             case Leaf():
                 return self.leaf(node)
             case Identity():
-                return constant(np.eye(size(node.shape[0]), dtype=int))
+                return SparsePolynomial.constant(np.eye(size(node.shape[0]), dtype=int))
             case Zero():
-                return constant(np.zeros((size(node.shape[0]), size(node.shape[1])), dtype=int))
+                return SparsePolynomial((size(node.shape[0]), size(node.shape[1])), {})
             case MatrixSum():
                 return reduce(operator.add, map(self.node, node.nodes))
             case MatrixProduct():
@@ -252,48 +265,35 @@ class _Reader:
             case Inverse():
                 return self.inverse(node)
             case Kronecker():
-                return _kronecker(self.node(node.nodes[0]), self.node(node.nodes[1]))
+                return self.node(node.nodes[0]).kronecker(self.node(node.nodes[1]))
             case Trace():
-                inner = self.node(node.nodes[0])
-                traces = inner.coefficients.trace(axis1=1, axis2=2)
-                return MatrixPolynomial(inner.monomials, traces[:, None, None])
+                return self.node(node.nodes[0]).trace
             case Block():
                 rows = [[self.node(entry) for entry in row] for row in node.grid]
-                return _joined(rows, [size(s) for s in node.heights], [size(s) for s in node.widths])
+                return SparsePolynomial.joined(rows, [size(s) for s in node.heights], [size(s) for s in node.widths])
         raise TypeError(f"no value for {type(node).__name__}")
 
-    def inverse(self, node: Inverse) -> MatrixPolynomial:
+    def inverse(self, node: Inverse) -> SparsePolynomial:
         """The exact inverse; entries that are rational functions become atoms."""
-        inner = self.node(node.nodes[0]).merged()
-        if any(is_coordinate(symbol) for atom in inner.monomials.atoms for symbol in atom.free_symbols):
+        inner = self.node(node.nodes[0])
+        if any(is_coordinate(symbol) for atom in inner.atoms for symbol in atom.free_symbols):
             raise self.statement.error(f"{node} inverts an unknown")
         try:
-            if inner.monomials.atoms:
-                return MatrixPolynomial.from_sympy(inner.to_sympy().inv().applyfunc(sp.cancel))
-            return constant(from_flint(to_flint(inner.coefficients[0]).inv()))
+            if inner.atoms:
+                functions = inner.dense().to_sympy().inv().applyfunc(sp.cancel)
+                return SparsePolynomial.from_dense(MatrixPolynomial.from_sympy(functions))
+            return SparsePolynomial.constant(from_flint(to_flint(inner.dense().coefficients[0]).inv()))
         except (ZeroDivisionError, sp.matrices.exceptions.NonInvertibleMatrixError) as error:
             raise self.statement.error(f"{node.nodes[0]} is singular") from error
 
 
-# Exact matrices and polynomials ---------------------------------------------------------------------
+# Exact matrices ------------------------------------------------------------------------------------
 
 
 def fractions(matrix: Any) -> Array:
     """An array of fractions; a float is its dyadic value."""
     array = np.asarray(matrix)
     return np.array([Fraction(entry) for entry in array.ravel().tolist()], dtype=object).reshape(array.shape)
-
-
-def constant(matrix: Any) -> MatrixPolynomial:
-    """A constant matrix of fractions."""
-    return MatrixPolynomial.constant(fractions(matrix))
-
-
-def scalar(expression: sp.Expr) -> MatrixPolynomial:
-    """A scalar expression as a 1 x 1 polynomial with fractions."""
-    terms = scalar_terms(expression)
-    values = np.array(terms.coefficients, dtype=object).reshape(-1, 1, 1)
-    return MatrixPolynomial(Monomials(terms.atoms, terms.exponents), values)
 
 
 def to_flint(matrix: Array) -> flint.fmpq_mat:
@@ -313,9 +313,9 @@ def coordinate_symbol(number: int) -> sp.Symbol:
     return sp.Symbol(f"x[{number}]")
 
 
-def is_coordinate(symbol: sp.Symbol) -> bool:
-    """Whether a symbol is the coordinate of an unknown."""
-    return str(symbol.name).startswith("x[")
+def is_coordinate(atom: sp.Expr) -> bool:
+    """Whether an atom is the coordinate of an unknown."""
+    return isinstance(atom, sp.Symbol) and str(atom.name).startswith("x[")
 
 
 def _rational(value: Fraction) -> sp.Rational:
@@ -326,47 +326,20 @@ def _shape(matrix: Array) -> str:
     return " x ".join(map(str, matrix.shape))
 
 
-def _derivative(value: MatrixPolynomial, components: Sequence[str]) -> MatrixPolynomial:
+def _sparse(unknowns: Mapping[str, MatrixPolynomial]) -> dict[str, SparsePolynomial]:
+    return {name: SparsePolynomial.from_dense(value) for name, value in unknowns.items()}
+
+
+def _derivative(value: SparsePolynomial, components: Sequence[str]) -> SparsePolynomial:
     """Σ_c ∂/∂c · dc/dt of every monomial."""
-    total = constant(np.zeros(value.shape, dtype=int))
-    for powers, coefficient in zip(value.monomials.exponents, value.coefficients, strict=True):
-        monomial = sp.Mul(*(a ** int(p) for a, p in zip(value.monomials.atoms, powers, strict=True)))
-        rate = sp.Add(*(sp.diff(monomial, sp.Symbol(c)) * rate_symbol(c) for c in components))
-        total = total + MatrixPolynomial.constant(coefficient).scaled(scalar(rate))
-    return total
-
-
-def _kronecker(left: MatrixPolynomial, right: MatrixPolynomial) -> MatrixPolynomial:
-    product = left.coefficients[:, None, :, None, :, None] * right.coefficients[None, :, None, :, None, :]
-    rows, cols = left.shape[0] * right.shape[0], left.shape[1] * right.shape[1]
-    return MatrixPolynomial(left.monomials.times(right.monomials), product.reshape(-1, rows, cols)).merged()
-
-
-def _nonzero(value: MatrixPolynomial) -> MatrixPolynomial:
-    """Without the monomials that cancel."""
-    used = (value.coefficients != 0).any(axis=(1, 2))
-    used[0] |= not used.any()
-    return MatrixPolynomial(
-        Monomials(value.monomials.atoms, value.monomials.exponents[used]), value.coefficients[used]
-    ).merged()
-
-
-def _joined(
-    blocks: Sequence[Sequence[MatrixPolynomial | None]], heights: Sequence[int], widths: Sequence[int]
-) -> MatrixPolynomial:
-    """A matrix of blocks; None is a block of zeros."""
-    tops, lefts = np.cumsum([0, *heights]), np.cumsum([0, *widths])
-    given = [(i, j, block) for i, row in enumerate(blocks) for j, block in enumerate(row) if block is not None]
-    atoms = reduce(union, [block.monomials.atoms for _, _, block in given], ())
-    stacked = Monomials(atoms, np.concatenate([block.monomials.over(atoms) for _, _, block in given]))
-    monomials, place = stacked.merged()
-    coefficients = np.full((len(monomials), tops[-1], lefts[-1]), Fraction(0), dtype=object)
-    start = 0
-    for i, j, block in given:
-        mine = place[start : start + len(block.monomials)]
-        start += len(mine)
-        inside = coefficients[:, tops[i] : tops[i + 1], lefts[j] : lefts[j + 1]]
-        if inside.shape[1:] != block.shape:
-            raise CertificateError(f"a block is {block.shape[0]} x {block.shape[1]} where {inside.shape[1:]} is needed")
-        np.add.at(inside, mine, block.coefficients)
-    return MatrixPolynomial(monomials, coefficients)
+    rates: dict[Monomial, SparsePolynomial] = {}
+    found: dict[Monomial, Terms] = {}
+    for monomial in value.monomials:
+        coordinates = frozenset((atom, power) for atom, power in monomial if is_coordinate(atom))
+        function = monomial - coordinates
+        if function not in rates:
+            product = sp.Mul(*(atom**power for atom, power in function))
+            rate = sp.Add(*(sp.diff(product, sp.Symbol(c)) * rate_symbol(c) for c in components))
+            rates[function] = SparsePolynomial.scalar(rate)
+        found[monomial] = rates[function].scaled(SparsePolynomial((1, 1), {(0, 0): {coordinates: Fraction(1)}})).entry
+    return value.replaced(found)

@@ -70,10 +70,7 @@ def grid_points(axis: Axis, choice: Grid) -> Array:
     """The points on an axis, shape (K, symbols)."""
     domain = axis.domain
     if choice.kind == "points":
-        points = np.array(choice.points, dtype=float)
-        if points.ndim != 2 or points.shape[1] != len(axis.symbols):
-            raise RelaxationError(f"the grid points of {axis.name} need {len(axis.symbols)} coordinates each")
-        return points
+        return _checked(axis, np.array(choice.points, dtype=float))
     if choice.kind == "random":
         return domain.sample(choice.count, np.random.default_rng(choice.seed))
     if domain.kind == "simplex":
@@ -82,7 +79,9 @@ def grid_points(axis: Axis, choice: Grid) -> Array:
     low, high = domain.vertices.min(axis=0), domain.vertices.max(axis=0)
     sides = [_side(a, b, choice) for a, b in zip(low, high, strict=True)]
     points = np.array(list(product(*sides)))
-    return points if domain.kind == "box" else _within(points, domain.vertices)
+    if domain.kind == "box":
+        return points
+    return np.unique(np.concatenate([points[domain.contains(points)], domain.vertices]), axis=0)
 
 
 def _side(low: float, high: float, choice: Grid) -> Array:
@@ -94,11 +93,15 @@ def _side(low: float, high: float, choice: Grid) -> Array:
     return np.linspace(low, high, choice.count)
 
 
-def _within(points: Array, vertices: Array) -> Array:
-    """The points inside a polytope, and its vertices."""
-    from scipy.optimize import linprog
-
-    system = np.vstack([vertices.T, np.ones(len(vertices))])
-    zero = np.zeros(len(vertices))
-    inside = [linprog(zero, A_eq=system, b_eq=[*point, 1.0]).success for point in points]
-    return np.unique(np.concatenate([points[inside], vertices]), axis=0)
+def _checked(axis: Axis, points: Array) -> Array:
+    """The points; raises where they are not those of the axis, or lie outside its domain."""
+    if points.ndim != 2 or points.shape[1] != len(axis.symbols):
+        names = ", ".join(map(str, axis.symbols))
+        raise RelaxationError(f"the grid points of {axis.name} need {len(axis.symbols)} coordinates each: ({names})")
+    outside = points[~axis.domain.contains(points)]
+    if len(outside):
+        point = ", ".join(f"{value:.12g}" for value in outside[0])
+        raise RelaxationError(
+            f"the grid point ({point}) of {axis.name} lies outside its domain, {axis.domain}; give points of the domain"
+        )
+    return points

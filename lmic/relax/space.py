@@ -52,8 +52,8 @@ def space(binding: Binding, ties: Mapping[str, str] | None = None, joint: frozen
 
     Instances are independent unless the plant bounds the step (their joint polytope is one axis)
     or calls the parameter constant, or ``ties`` equates one instance with another, as
-    {"b": "a"}. The components of a box are axes of their own, except for the parameters in
-    ``joint``, whose points are given together.
+    {"b": "a"}. The components of a box are axes of their own, except for the parameters and
+    instances (``r[c]``) in ``joint``, whose points are given together.
     """
     ties = _roots(binding, ties or {})
     axes: list[Axis] = []
@@ -114,7 +114,7 @@ def _step(binding: Binding, name: str) -> str | Bounds:
 
 def _split(name: str, instance: str, domain: Domain, joint: frozenset[str]) -> Iterator[Axis]:
     """A box's components one by one, any other domain whole."""
-    if isinstance(domain, BoxDomain) and name not in joint:
+    if isinstance(domain, BoxDomain) and not {name, str(Parameter(name, instance=instance))} & joint:
         for side in domain.sides:
             yield Axis(name, instance, side, (instance_symbol(side.components[0], instance),))
     else:
