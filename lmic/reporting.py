@@ -161,6 +161,7 @@ def certificate_record(certificate: Certificate) -> dict[str, Any]:
     return {
         "lower": {name: float_below(value) for name, value in lower.reports.items()} if lower else {},
         "upper": {name: float_above(value) for name, value in upper.reports.items()} if upper else {},
+        "lower_for_unknowns_up_to": float(lower.radius) if lower and lower.radius else None,
         "soundness": certificate.standing.value,
         "infeasible": infeasibility(certificate),
         "proven_from": certificate.solver,
@@ -248,12 +249,14 @@ def enclosure(certificate: Certificate, name: str) -> str:
     """The proven interval of a report and what it stands on: ∈ [1.2137692, 1.2137693] certified."""
     lower = certificate.lower.reports.get(name) if certificate.lower else None
     upper = certificate.upper.reports.get(name) if certificate.upper else None
+    radius = certificate.lower.radius if certificate.lower else None
     ends = [
         "−∞" if lower is None else decimal(decimal_below(lower, SHOWN)),
         "∞" if upper is None else decimal(decimal_above(upper, SHOWN)),
     ]
     width = f", {float((upper - lower) / abs(upper)):.0e} wide" if lower is not None and upper else ""
-    return f"∈ \\[{ends[0]}, {ends[1]}] {certificate.standing.value}{width}"
+    within = f", lower end for unknowns up to {float(radius):.0e}" if lower is not None and radius else ""
+    return f"∈ \\[{ends[0]}, {ends[1]}] {certificate.standing.value}{width}{within}"
 
 
 def verdict_record(certificate: Certificate, verdict: Verdict) -> dict[str, Any]:

@@ -9,21 +9,26 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib.metadata import version
+from itertools import chain
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lmic.assemble import ConicProblem
+from lmic.certify.definite import is_positive_definite
 from lmic.certify.finite import FiniteProblem
 from lmic.certify.interior import inner_dual, inner_point
-from lmic.certify.statement import from_flint
+from lmic.certify.statement import fractions, from_flint, to_flint
 from lmic.errors import CertificateError
 from lmic.pipeline import Result
+from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData
 from lmic.solve.exchange import binding_lmis, relative_eigenvalues
+from lmic.solve.scaling import slack_matrices
 from lmic.solve.sdpa import PACKAGE, solve_precisely
 from lmic.solve.solution import Solution
+from lmic.solve.whole import margin
 
 Array: TypeAlias = NDArray[Any]
 #: the exact problem of the LMIs with these numbers
@@ -31,6 +36,10 @@ Exact: TypeAlias = Callable[[Sequence[int]], FiniteProblem]
 
 #: shares of the objective that are given away for a proof
 SHARES = (1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
+#: shares of its diagonal added to a solver's dual matrix, tried in turn
+ROUNDING = (1e-14, 1e-12, 1e-10)
+#: shares of a point well inside the cones that are mixed in
+BLENDS = tuple(10.0**power for power in range(-12, -3))
 #: LMIs up to which the dual of all is tried before that of the binding ones
 FEW = 40
 #: binary digits of an unknown's coordinate, tried in turn
@@ -81,10 +90,20 @@ def interior_points(result: Result, shares: Sequence[float]) -> Iterator[Array]:
     if result.theorem.minimise is None:
         yield result.solution.x
         return
-    for share in shares:
-        x = inner_point(result.problem, result.solution, share)
-        if np.isfinite(x).all() and relative_eigenvalues(result.problem, x).min() > 0:
+    problem, solution = result.problem, result.solution
+    near = (inner_point(problem, solution, share) for share in shares)
+    for x in chain(near, _blended(problem, solution.x)):
+        if np.isfinite(x).all() and relative_eigenvalues(problem, x).min() > 0:
             yield x
+
+
+def _blended(problem: ConicProblem, x: Array) -> Iterator[Array]:
+    """Towards a point that is well inside: what remains where a solution suggests no good coordinates."""
+    if len(problem.orders) > FEW:
+        return
+    inside = margin(problem, Clarabel())
+    if inside.status.usable and inside.value > 0:
+        yield from ((1 - share) * x + share * inside.x for share in BLENDS)
 
 
 def rounded(value: Fraction, bits: int) -> Fraction:
@@ -98,6 +117,12 @@ def rounded(value: Fraction, bits: int) -> Fraction:
 def _interior_duals(result: Result, exact: Exact) -> Iterator[DualCandidate]:
     for problem, solution, chosen in _parts(result):
         finite = exact(chosen)
+        own = [(dual + dual.T) / 2 for dual in slack_matrices(solution.dual, problem.orders)]
+        for share in ROUNDING:  # the solver's own, moved off the boundary that rounding may have taken it across
+            matrices = [fractions(dual + share * np.diag(np.abs(np.diag(dual)))) for dual in own]
+            if all(is_positive_definite(to_flint(matrix)) for matrix in matrices):
+                yield DualCandidate(chosen, finite, matrices)
+                break
         for share in SHARES:
             try:
                 matrices = inner_dual(problem, solution, share).exact()

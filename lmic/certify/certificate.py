@@ -64,11 +64,15 @@ class Upper:
 
 @dataclass(frozen=True)
 class Lower:
-    """No point does better than ``reports`` where the LMIs hold for the ``functionals``."""
+    """No point does better than ``reports`` where the LMIs hold for the ``functionals``.
+
+    With a ``radius``, no point whose unknowns are all up to that in size.
+    """
 
     reports: Mapping[str, Fraction]
     functionals: tuple[Functional, ...]
     dual: Dual
+    radius: Fraction | None = None
 
 
 @dataclass(frozen=True)
@@ -168,18 +172,23 @@ def _tables(certificate: Certificate) -> dict[str, Any]:
         if lower is None
         else {
             "reports": _reports(lower),
+            "radius": _radius(lower),
             "functionals": _functionals(lower),
             **_dual_tables(lower.dual),
         },
         "infeasible": None
         if infeasible is None
         else {
-            "radius": None if infeasible.radius is None else document.decimal(infeasible.radius),
+            "radius": _radius(infeasible),
             "margin": document.decimal(infeasible.margin),
             "functionals": _functionals(infeasible),
             **_dual_tables(infeasible.dual),
         },
     }
+
+
+def _radius(bound: Lower | Infeasible) -> str | None:
+    return None if bound.radius is None else document.decimal(bound.radius)
 
 
 def _dual_tables(dual: Dual) -> dict[str, Any]:
@@ -275,14 +284,21 @@ def _upper(entry: Any) -> Upper:
 
 
 def _lower(entry: Any) -> Lower:
-    _keys(entry, {"reports", "functionals", *_DUAL})
-    return Lower(_read_reports(entry), _read_functionals(entry), _read_dual(entry))
+    _keys(entry, {"reports", "radius", "functionals", *_DUAL})
+    return Lower(_read_reports(entry), _read_functionals(entry), _read_dual(entry), _read_radius(entry))
 
 
 def _infeasible(entry: Any) -> Infeasible:
     _keys(entry, {"radius", "margin", "functionals", *_DUAL})
+    margin = document.number(entry["margin"])
+    return Infeasible(_read_functionals(entry), _read_dual(entry), _read_radius(entry), margin)
+
+
+def _read_radius(entry: Mapping[str, Any]) -> Fraction | None:
     radius = None if entry["radius"] is None else document.number(entry["radius"])
-    return Infeasible(_read_functionals(entry), _read_dual(entry), radius, document.number(entry["margin"]))
+    if radius is not None and radius <= 0:
+        raise CertificateError(f"{quoted(entry['radius'])} is not a bound on the size of unknowns")
+    return radius
 
 
 def _read_dual(entry: Mapping[str, Any]) -> Dual:

@@ -9,6 +9,7 @@ matrices prove that.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from importlib.metadata import version
@@ -32,7 +33,7 @@ from lmic.certify.candidates import (
     interior_points,
 )
 from lmic.certify.certificate import Certificate, Lower, Unknown, Upper
-from lmic.certify.dual import exact_dual, infeasibility
+from lmic.certify.dual import bounded_dual, exact_dual, infeasibility
 from lmic.certify.finite import FiniteProblem, Functional, finite_problem
 from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
@@ -54,6 +55,8 @@ Array: TypeAlias = NDArray[Any]
 
 #: relative width of an enclosure from which on the next means is tried
 WIDTH = Fraction(1, 10**6)
+#: bound on the unknowns for which a lower end is proven where no exact dual is found
+RADIUS = Fraction(10**6)
 
 
 def certify(
@@ -313,23 +316,41 @@ def exact_problems(certificate: Certificate, result: Result, relaxation: Relaxat
 def with_lower(
     certificate: Certificate, theorem: Theorem, every: Sequence[Functional], duals: Iterable[DualCandidate]
 ) -> Certificate:
-    """With the first dual that can be made exact. Raises CertificateError where none can."""
+    """With the first dual that can be made exact, or else the best one for unknowns of bounded size.
+
+    Raises CertificateError where there is none.
+    """
     reason = CertificateError("the solver gave no dual")
+    tried = []
     for candidate in duals:
         try:
             dual, bound = exact_dual(candidate.problem, candidate.matrices)
         except CertificateError as error:
             reason = error
-            continue
-        reports = {}
-        for name, expression in theorem.reports.items():
-            if expression == theorem.minimise:
-                reports[name] = document.decimal_below(bound)
-            elif expression == sp.sqrt(theorem.minimise):
-                reports[name] = document.root_below(max(bound, Fraction(0)))
-        mine = tuple(every[k] for k in candidate.chosen)
-        return replace(certificate, lower=Lower(reports, mine, dual))
-    raise reason
+            tried.append(candidate)
+        else:
+            mine = tuple(every[k] for k in candidate.chosen)
+            return replace(certificate, lower=Lower(_lower_reports(theorem, bound), mine, dual))
+    bounded = []
+    for candidate in tried:
+        with suppress(CertificateError):
+            dual, bound = bounded_dual(candidate.problem, candidate.matrices, RADIUS)
+            bounded.append((bound, dual, tuple(every[k] for k in candidate.chosen)))
+    if not bounded:
+        raise reason
+    bound, dual, mine = max(bounded, key=lambda found: found[0])
+    return replace(certificate, lower=Lower(_lower_reports(theorem, bound), mine, dual, RADIUS))
+
+
+def _lower_reports(theorem: Theorem, bound: Fraction) -> dict[str, Fraction]:
+    """Decimals that no report is below, from a bound on what is minimised."""
+    reports = {}
+    for name, expression in theorem.reports.items():
+        if expression == theorem.minimise:
+            reports[name] = document.decimal_below(bound)
+        elif theorem.minimise is not None and expression == sp.sqrt(theorem.minimise):
+            reports[name] = document.root_below(max(bound, Fraction(0)))
+    return reports
 
 
 def lower_only(certificate: Certificate, result: Result, relaxation: Relaxation) -> Certificate:

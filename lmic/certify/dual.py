@@ -10,6 +10,7 @@ pivot entries (:mod:`lmic.certify.lower`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -21,12 +22,13 @@ import scipy.sparse as sps
 from numpy.typing import NDArray
 
 from lmic import svec
+from lmic.certify.balls import middle
 from lmic.certify.definite import is_positive_definite
 from lmic.certify.document import decimal_above
 from lmic.certify.face import compressed, face_of, on_face
 from lmic.certify.finite import FiniteLMI, FiniteProblem, Functional
 from lmic.certify.infeasible import MARGIN, Infeasible, feasibility_of, is_zero, largest_margin
-from lmic.certify.lower import Dual, Pivot, lower_bound, misses
+from lmic.certify.lower import Dual, Pivot, bounded_lower_bound, lower_bound, misses
 from lmic.certify.statement import fractions, from_flint, to_flint
 from lmic.errors import CertificateError
 from lmic.solve.lineality import lineality
@@ -37,10 +39,12 @@ Array: TypeAlias = NDArray[Any]
 PRECISION = 512
 #: binary digits of a dual entry, counted from the size that its diagonal entries give it; tried in turn
 BITS = (96, 128, 192, 256)
+#: shares of positive definite matrices that are mixed with singular ones
+MIXED = tuple(Fraction(1, 10**power) for power in range(1, 16))
 #: what is added to the matrices so that they are positive definite, relative to their mean eigenvalue
 SHIFTS = (1e-12, 1e-10, 1e-8, 1e-6)
-#: bound on the unknowns of a proof that needs one; where the LMIs are homogeneous it is 1
-RADIUS = 10**6
+#: bounds on the unknowns of a proof that needs one, tried in turn; where the LMIs are homogeneous it is 1
+RADII = (10**6, 10**4, 10**2)
 
 
 def exact_dual(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Dual, Fraction]:
@@ -67,6 +71,26 @@ def exact_dual(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Dual,
     raise reason
 
 
+def bounded_dual(problem: FiniteProblem, matrices: Sequence[Array], radius: Fraction) -> tuple[Dual, Fraction]:
+    """Dual matrices near given ones, and the bound that they prove for unknowns up to ``radius`` in size.
+
+    For where the exact ones are singular in directions that are not rational. Raises CertificateError
+    where none prove anything.
+    """
+    found: list[tuple[Dual, Fraction]] = []
+    near = [_rounded(matrix, BITS[-1]) for matrix in _corrected(problem, matrices)[1]]
+    # a share of one: the given ones as they are, where the bound on the unknowns binds
+    for shift in (Fraction(1), *MIXED):
+        # mixed with the given ones, which are positive definite
+        mixed = [(1 - shift) * one + shift * other for one, other in zip(near, matrices, strict=True)]
+        dual = Dual(tuple(_rounded(matrix, BITS[0]) for matrix in mixed), (None,) * len(mixed), ())
+        with suppress(CertificateError):
+            found.append((dual, bounded_lower_bound(problem, dual, radius)))
+    if not found:
+        raise CertificateError("no positive definite dual matrices were found near the solver's")
+    return max(found, key=lambda one: one[1])
+
+
 def infeasibility(problem: FiniteProblem, functionals: Sequence[Functional], matrices: Sequence[Array]) -> Infeasible:
     """From dual matrices of the largest margin, in floating point. Raises CertificateError where none is proven."""
     problem = feasibility_of(problem)
@@ -79,17 +103,14 @@ def infeasibility(problem: FiniteProblem, functionals: Sequence[Functional], mat
         if bound >= 0 and not is_zero(dual):
             return Infeasible(tuple(functionals), dual, None, Fraction(0))
     homogeneous = all((lmi.columns > 0).all() for lmi in problem.lmis)
-    radius = Fraction(1 if homogeneous else RADIUS)
     duals = [Dual(tuple(candidate), (None,) * len(candidate), ()) for candidate in shifted]
-    claims = [Infeasible(tuple(functionals), dual, radius, Fraction(0)) for dual in duals]
-    found = min(
-        (replace(claim, margin=decimal_above(max(largest_margin(problem, claim), Fraction(0)), 3)) for claim in claims),
-        key=lambda claim: claim.margin,
-        default=None,
-    )
-    if found is None or found.margin > MARGIN:
-        raise CertificateError("the dual matrices do not show that the LMIs have no solution")
-    return found
+    for radius in (1,) if homogeneous else RADII:
+        claims = [Infeasible(tuple(functionals), dual, Fraction(radius), Fraction(0)) for dual in duals]
+        margins = [max(largest_margin(problem, claim), Fraction(0)) for claim in claims]
+        if min(margins, default=1) <= MARGIN:
+            best = margins.index(min(margins))
+            return replace(claims[best], margin=min(decimal_above(margins[best], 3), MARGIN))
+    raise CertificateError("the dual matrices do not show that the LMIs have no solution")
 
 
 def svec_columns(problem: FiniteProblem) -> sps.csc_array:
@@ -115,7 +136,7 @@ def _face(before: Array, after: Array) -> Array | None:
 def _corrected(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Array, list[Array]]:
     """The unknowns whose columns are independent, and Z + Σ_i y_i Z F_i Z, which meets their equalities."""
     kept = lineality(svec_columns(problem)).kept
-    with flint.ctx.workprec(PRECISION):
+    with flint.ctx.workprec(PRECISION):  # balls lose digits at any lower precision
         miss = misses(problem, matrices)[kept]
     metric = _metric(problem, matrices, kept)
     size = len(kept)
@@ -126,7 +147,7 @@ def _corrected(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Array
             solution = left.solve(right, algorithm="approx").mid().entries()
         except ZeroDivisionError as error:
             raise CertificateError("the equalities of the dual are not independent") from error
-    y = dict(zip(kept.tolist(), map(_middle, solution), strict=True))
+    y = dict(zip(kept.tolist(), map(middle, solution), strict=True))
     return kept, [matrix + _step(lmi, matrix, y) for lmi, matrix in zip(problem.lmis, matrices, strict=True)]
 
 
@@ -166,22 +187,14 @@ def _step(lmi: FiniteLMI, matrix: Array, y: dict[int, Fraction]) -> Array:
         lmi.columns.tolist(), lmi.rows.tolist(), lmi.cols.tolist(), lmi.values, strict=True
     ):
         if column - 1 in y:
-            direction[row, col] += _middle(value) * y[column - 1]
+            direction[row, col] += middle(value) * y[column - 1]
     direction = np.triu(direction) + np.triu(direction, 1).T
     weight = to_flint(matrix)
     return from_flint(weight * to_flint(direction) * weight)
 
 
-def _middle(value: Any) -> Fraction:
-    """A fraction, or the midpoint of a ball."""
-    if isinstance(value, flint.arb):
-        mantissa, exponent = value.mid().man_exp()
-        return int(mantissa) * Fraction(2) ** int(exponent)
-    return Fraction(value)
-
-
 def _fixed(value: Any) -> int:
-    return int(_middle(value) * (1 << PRECISION))
+    return int(middle(value) * (1 << PRECISION))
 
 
 def _rounded(matrix: Array, bits: int) -> Array:

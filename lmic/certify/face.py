@@ -8,10 +8,12 @@ whatever V is, so a bound proven for them holds, and only the search for V may f
 
 from __future__ import annotations
 
+import operator
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
 from math import lcm
 from typing import Any, TypeAlias
 
@@ -19,6 +21,7 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.certify.balls import PRECISION, is_zero
 from lmic.certify.definite import inverse_factor
 from lmic.certify.finite import FiniteLMI, FiniteProblem
 from lmic.errors import CertificateError
@@ -33,13 +36,14 @@ DENOMINATOR, NEAR = 64, 1e-5
 
 def compressed(problem: FiniteProblem, faces: Sequence[Array | None]) -> FiniteProblem:
     """The problem with Vᵀ F V for each LMI that has a face; one with no columns is left without entries."""
-    lmis = [lmi if face is None else _compressed(lmi, face) for lmi, face in zip(problem.lmis, faces, strict=True)]
+    with flint.ctx.workprec(PRECISION):
+        lmis = [lmi if face is None else _compressed(lmi, face) for lmi, face in zip(problem.lmis, faces, strict=True)]
     return replace(problem, lmis=tuple(lmis))
 
 
 def _compressed(lmi: FiniteLMI, face: Array) -> FiniteLMI:
     supports = [np.flatnonzero(row) for row in face]
-    entries: dict[tuple[int, int, int], Any] = defaultdict(Fraction)
+    entries: dict[tuple[int, int, int], list[Any]] = defaultdict(list)
     for column, row, col, value in zip(
         lmi.columns.tolist(), lmi.rows.tolist(), lmi.cols.tolist(), lmi.values, strict=True
     ):
@@ -47,10 +51,11 @@ def _compressed(lmi: FiniteLMI, face: Array) -> FiniteLMI:
             for a in supports[i]:
                 for b in supports[j]:
                     if a <= b:
-                        entries[column, int(a), int(b)] += value * int(face[i, a]) * int(face[j, b])
-    kept = sorted(key for key, value in entries.items() if value != 0)
+                        entries[column, int(a), int(b)].append(value * int(face[i, a] * face[j, b]))
+    sums = {key: reduce(operator.add, terms) for key, terms in entries.items()}
+    kept = sorted(key for key, value in sums.items() if not is_zero(value))
     places = np.array(kept, dtype=int).reshape(-1, 3)
-    values = np.array([entries[key] for key in kept] + [None], dtype=object)[:-1]
+    values = np.array([sums[key] for key in kept] + [None], dtype=object)[:-1]
     return FiniteLMI(face.shape[1], places[:, 0], places[:, 1], places[:, 2], values)
 
 

@@ -1,4 +1,4 @@
-"""The finite problem of a relaxation, with exact rational data.
+"""The finite problem of a relaxation, with exact rational data, or balls where functions are transcendental.
 
 A finite LMI is a linear functional of the polynomial matrix F(θ; x) that the statement makes: its
 value at a point, or a coefficient of its form in barycentric coordinates. Both are one thing: with
@@ -9,7 +9,7 @@ which one coefficient is taken. A single corner gives the value there.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
 from typing import Any, TypeAlias
@@ -19,6 +19,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.certify import taylor
+from lmic.certify.balls import PRECISION, ball, balls, has_balls, is_zero
 from lmic.certify.sparse import Monomial, SparsePolynomial, dense_monomials, listed
 from lmic.certify.statement import Statement, is_coordinate
 from lmic.errors import CertificateError
@@ -56,24 +58,36 @@ class Functional:
     lmi: str
     axes: tuple[Coefficient, ...]
 
-    def weights(self, polynomial: MatrixPolynomial) -> list[Fraction]:
+    def weights(self, polynomial: MatrixPolynomial) -> list[Any]:
         """Its value for each monomial of a matrix."""
         return self.monomial_weights(polynomial.monomials)
 
-    def monomial_weights(self, monomials: Monomials) -> list[Fraction]:
-        """Its value for each monomial; raises where one is no polynomial in the symbols of the axes."""
+    def monomial_weights(self, monomials: Monomials) -> list[Any]:
+        """Its value for each monomial, a fraction, or a ball where functions are not polynomial.
+
+        Raises CertificateError where such a function is not taken at a point.
+        """
         atoms = monomials.atoms
         columns = [[atoms.index(s) if s in atoms else None for s in axis.symbols] for axis in self.axes]
-        foreign = set(atoms) - {symbol for axis in self.axes for symbol in axis.symbols}
-        if foreign:
-            raise CertificateError(f"{min(map(str, foreign))} has no exact rational value in the LMI '{self.lmi}'")
-        found: list[Fraction] = []
+        own = {symbol for axis in self.axes for symbol in axis.symbols}
+        functions = [(k, self._value(atom)) for k, atom in enumerate(atoms) if atom not in own]
+        found: list[Any] = []
         for row in monomials.exponents.tolist():
-            product = Fraction(1)
+            product: Any = Fraction(1)
             for axis, places in zip(self.axes, columns, strict=True):
                 product *= axis.weight(tuple(0 if c is None else row[c] for c in places))
+            for k, value in functions:
+                if row[k]:
+                    product = ball(product) * value ** row[k]
             found.append(product)
         return found
+
+    def _value(self, atom: sp.Expr) -> flint.arb:
+        """A function of the parameters at the point that the functional is the value at."""
+        values = {s: v for axis in self.axes if axis.point for s, v in zip(axis.symbols, axis.point, strict=True)}
+        if not atom.free_symbols <= set(values):
+            raise CertificateError(f"{atom} has no exact rational value in the LMI '{self.lmi}'")
+        return taylor.value(atom, {s: flint.fmpq(v.numerator, v.denominator) for s, v in values.items()})
 
 
 @cache
@@ -118,7 +132,7 @@ class FiniteLMI:
     def inner(self, dual: Array, size: int) -> Array:
         """⟨F_0, Z⟩ and ⟨F_i, Z⟩ for a symmetric Z, shape (1 + size,)."""
         double = np.where(self.rows == self.cols, 1, 2)
-        products = np.full(size + 1, Fraction(0), dtype=object)
+        products = np.full(size + 1, flint.arb(0) if has_balls(self.values) else Fraction(0), dtype=object)
         np.add.at(products, self.columns, self.values * dual[self.rows, self.cols] * double)
         return products
 
@@ -142,7 +156,7 @@ class FiniteProblem:
     @cached_property
     def rational(self) -> bool:
         """Whether all data are fractions, and none is known as a ball only."""
-        return not any(isinstance(value, flint.arb) for lmi in self.lmis for value in lmi.values)
+        return not any(has_balls(lmi.values) for lmi in self.lmis)
 
 
 def finite_problem(
@@ -162,7 +176,10 @@ def finite_problem(
         first += (int(statement.coordinates(name).max()) + 1) * len(basis)
     occurring = dict.fromkeys(functional.lmi for functional in functionals)
     terms = {lmi: _Terms.of(statement.sparse_matrix(lmi, unknowns).renamed(equal)) for lmi in occurring}
-    lmis = tuple(terms[functional.lmi].at(functional) for functional in functionals)
+    with flint.ctx.workprec(PRECISION):
+        lmis = tuple(terms[functional.lmi].at(functional) for functional in functionals)
+        if any(has_balls(lmi.values) for lmi in lmis):  # then all, so that the values may be added
+            lmis = tuple(replace(lmi, values=balls(lmi.values)) for lmi in lmis)
     cost = np.full(first + 1, Fraction(0), dtype=object)
     if statement.theorem.minimise is not None:
         for monomial, value in statement.sparse_expression(statement.theorem.minimise, unknowns).entry.items():
@@ -221,13 +238,16 @@ class _Terms:
 
     def at(self, functional: Functional) -> FiniteLMI:
         """The finite LMI of a functional."""
-        weights = np.array(functional.monomial_weights(self.monomials), dtype=object)[self.monomial]
-        seen = np.flatnonzero(weights)
+        weights = np.array([None, *functional.monomial_weights(self.monomials)], dtype=object)[1:]
+        factors = self.values
+        if has_balls(weights):
+            weights, factors = balls(weights), balls(factors)
+        weights = weights[self.monomial]
         order = self.order
-        keys = (self.columns[seen] * order + self.rows[seen]) * order + self.cols[seen]
+        keys = (self.columns * order + self.rows) * order + self.cols
         key, place = np.unique(keys, return_inverse=True)
-        values = np.full(len(key), Fraction(0), dtype=object)
-        np.add.at(values, place, weights[seen] * self.values[seen])
-        used = np.flatnonzero(values)
+        values = np.full(len(key), 0 * weights[0] if len(weights) else Fraction(0), dtype=object)
+        np.add.at(values, place, weights * factors)
+        used = np.array([not is_zero(value) for value in values], dtype=bool)
         key, values = key[used], values[used]
         return FiniteLMI(order, key // order**2, key // order % order, key % order, values)

@@ -18,6 +18,7 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.certify.balls import PRECISION, ball, balls, below
 from lmic.certify.definite import is_positive_definite, proves_positive_definite
 from lmic.certify.face import compressed
 from lmic.certify.finite import FiniteProblem
@@ -25,9 +26,6 @@ from lmic.certify.statement import from_flint, to_flint
 from lmic.errors import CertificateError
 
 Array: TypeAlias = NDArray[Any]
-
-#: bits of the ball arithmetic where data are not rational
-PRECISION = 320
 
 
 @dataclass(frozen=True)
@@ -54,8 +52,7 @@ class Dual:
 
 def lower_bound(problem: FiniteProblem, dual: Dual) -> Fraction:
     """What the dual proves: no feasible x has a smaller objective. Raises where it proves nothing."""
-    if len(dual.matrices) != len(problem.lmis) or len(dual.faces) != len(problem.lmis):
-        raise CertificateError(f"there are {len(dual.matrices)} dual matrices for {len(problem.lmis)} LMIs")
+    _check_count(problem, dual)
     for face, lmi in zip(dual.faces, problem.lmis, strict=True):
         if face is not None and face.shape[0] != lmi.order:
             raise CertificateError(
@@ -64,6 +61,29 @@ def lower_bound(problem: FiniteProblem, dual: Dual) -> Fraction:
     on_faces = compressed(problem, dual.faces)
     _check(on_faces, dual)
     return _exact_bound(on_faces, dual) if problem.rational else _enclosed_bound(on_faces, dual)
+
+
+def bounded_lower_bound(problem: FiniteProblem, dual: Dual, radius: Fraction) -> Fraction:
+    """What matrices that miss their equalities still prove: the bound for all x with |x_i| ≤ ``radius``.
+
+    Each miss r_i costs radius·|r_i|.
+    """
+    if any(face is not None for face in dual.faces) or dual.pivots:
+        raise CertificateError("a bound for bounded unknowns takes whole dual matrices, without pivots")
+    _check_count(problem, dual)
+    _check(problem, dual)
+    for k, matrix in enumerate(dual.matrices):
+        if not is_positive_definite(to_flint(matrix)):
+            raise CertificateError(f"the dual matrix {k + 1} is not positive definite")
+    with flint.ctx.workprec(PRECISION):
+        cost = sum((abs(miss) for miss in balls(misses(problem, dual.matrices))), flint.arb(0))
+        value = ball(problem.constant) - ball(products(problem, dual.matrices)[0]) - ball(radius) * cost
+        return below(value)
+
+
+def _check_count(problem: FiniteProblem, dual: Dual) -> None:
+    if len(dual.matrices) != len(problem.lmis) or len(dual.faces) != len(problem.lmis):
+        raise CertificateError(f"there are {len(dual.matrices)} dual matrices for {len(problem.lmis)} LMIs")
 
 
 def _check(problem: FiniteProblem, dual: Dual) -> None:
@@ -100,10 +120,10 @@ def _enclosed_bound(problem: FiniteProblem, dual: Dual) -> Fraction:
     if sorted(columns) != list(range(problem.size)):
         raise CertificateError("an unknown has no pivot, and for data that are not rational each one needs its own")
     with flint.ctx.workprec(PRECISION):
-        matrices = tuple(_balls(matrix) for matrix in dual.matrices)
+        matrices = tuple(balls(matrix) for matrix in dual.matrices)
         miss = misses(problem, matrices)[columns]
         size = len(columns)
-        system = flint.arb_mat(size, size, [*_balls(_system(problem, dual.pivots)).ravel()])
+        system = flint.arb_mat(size, size, [*balls(_system(problem, dual.pivots)).ravel()])
         try:
             change = np.array(system.solve(flint.arb_mat(size, 1, [*miss])).entries(), dtype=object)
         except ZeroDivisionError as error:
@@ -112,15 +132,14 @@ def _enclosed_bound(problem: FiniteProblem, dual: Dual) -> Fraction:
         for k, matrix in enumerate(exact):
             if not proves_positive_definite(flint.arb_mat(len(matrix), len(matrix), [*matrix.ravel()])):
                 raise CertificateError(f"the dual matrix {k + 1} is not positive definite")
-        mantissa, exponent = (_balls(np.array(problem.constant))[()] - products(problem, exact)[0]).lower().man_exp()
-    return int(mantissa) * Fraction(2) ** int(exponent)
+        return below(ball(problem.constant) - products(problem, exact)[0])
 
 
 def products(problem: FiniteProblem, matrices: Sequence[Array]) -> Array:
     """Σ_k ⟨F_i^k, Z_k⟩ for the constants and every unknown."""
     total = np.full(problem.size + 1, Fraction(0), dtype=object)
     if not problem.rational:
-        total, matrices = _balls(total), [_balls(matrix) for matrix in matrices]
+        total, matrices = balls(total), [balls(matrix) for matrix in matrices]
     for lmi, matrix in zip(problem.lmis, matrices, strict=True):
         total = total + lmi.inner(matrix, problem.size)
     return total
@@ -128,7 +147,7 @@ def products(problem: FiniteProblem, matrices: Sequence[Array]) -> Array:
 
 def misses(problem: FiniteProblem, matrices: Sequence[Array]) -> Array:
     """c_i − Σ_k ⟨F_i^k, Z_k⟩ for every unknown."""
-    cost = problem.cost if problem.rational else _balls(problem.cost)
+    cost = problem.cost if problem.rational else balls(problem.cost)
     return np.asarray(cost - products(problem, matrices)[1:])
 
 
@@ -152,15 +171,3 @@ def _changed(dual: Dual, change: Array) -> list[Array]:
         if pivot.row != pivot.col:
             matrices[pivot.lmi][pivot.col, pivot.row] += value
     return matrices
-
-
-def _balls(values: Array) -> Array:
-    """An array of fractions, or of balls already, as balls."""
-    found = np.empty(values.shape, dtype=object)
-    for place, value in np.ndenumerate(values):
-        if isinstance(value, flint.arb):
-            found[place] = value
-        else:
-            exact = Fraction(value)
-            found[place] = flint.arb(flint.fmpq(exact.numerator, exact.denominator))
-    return found

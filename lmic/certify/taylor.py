@@ -65,6 +65,11 @@ def enclosure(atom: sp.Expr, symbols: tuple[sp.Symbol, ...], where: Range) -> Po
     return {zero: flint.arb.nan()}
 
 
+def value(atom: sp.Expr, point: Mapping[sp.Symbol, flint.fmpq]) -> flint.arb:
+    """A ball that holds the atom's value at a point; not finite where it has none."""
+    return _value(atom, sorted(atom.free_symbols, key=str), Range(point, {}))
+
+
 def product(first: Polynomial, second: Polynomial) -> Polynomial:
     """The product of two polynomials."""
     result: Polynomial = {}

@@ -13,17 +13,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import flint
 import numpy as np
 import sympy as sp
 
 from lmic import library
 from lmic.certify import document
+from lmic.certify.balls import PRECISION, balls, has_balls
 from lmic.certify.certificate import Certificate, Lower, Standing, Upper
-from lmic.certify.definite import is_positive_definite
+from lmic.certify.definite import is_positive_definite, proves_positive_definite
 from lmic.certify.domain import ProofDomain, Proven, Witness, prove_positive
 from lmic.certify.finite import FiniteProblem, Functional, finite_problem
 from lmic.certify.infeasible import check_infeasible
-from lmic.certify.lower import lower_bound
+from lmic.certify.lower import bounded_lower_bound, lower_bound
 from lmic.certify.region import inside, region
 from lmic.certify.statement import Statement, to_flint
 from lmic.errors import CertificateError, LmicError, Place
@@ -77,11 +79,14 @@ def proven(certificate: Certificate, theorem: Theorem, budget: int = BUDGET) -> 
     cells = _prove_upper(certificate, certificate.upper, statement, domain, budget) if certificate.upper else 0
     used: list[Functional] = []
     if certificate.lower:
-        bound = lower_bound(
-            _finite(certificate, certificate.lower.functionals, statement, domain), certificate.lower.dual
-        )
-        _check_reports(certificate.lower, bound, statement.theorem)
-        used += certificate.lower.functionals
+        lower = certificate.lower
+        problem = _finite(certificate, lower.functionals, statement, domain)
+        if lower.radius is None:
+            bound = lower_bound(problem, lower.dual)
+        else:
+            bound = bounded_lower_bound(problem, lower.dual, lower.radius)
+        _check_reports(lower, bound, statement.theorem)
+        used += lower.functionals
     if certificate.infeasible:
         claim = certificate.infeasible
         check_infeasible(_finite(certificate, claim.functionals, statement, domain), claim)
@@ -166,9 +171,19 @@ def _prove_at(functionals: Sequence[Functional], matrices: Mapping[str, MatrixPo
         if not inside(functional, domain):
             raise CertificateError(f"a grid point of the LMI '{functional.lmi}' lies outside the domain")
         matrix = matrices[functional.lmi]
-        value = sum(w * c for w, c in zip(functional.weights(matrix), matrix.coefficients, strict=True))
-        if not is_positive_definite(to_flint(np.asarray(value))):
+        if not _is_positive(functional, matrix):
             raise CertificateError(f"the LMI '{functional.lmi}' is not positive definite at one of the grid points")
+
+
+def _is_positive(functional: Functional, matrix: MatrixPolynomial) -> bool:
+    """Whether the matrix is proven positive definite at the functional's point."""
+    with flint.ctx.workprec(PRECISION):
+        weights = np.array([None, *functional.weights(matrix)], dtype=object)[1:]
+        coefficients = matrix.coefficients
+        if not has_balls(weights):
+            return is_positive_definite(to_flint(np.tensordot(weights, coefficients, axes=1)))
+        value = np.tensordot(balls(weights), balls(coefficients), axes=1)
+        return proves_positive_definite(flint.arb_mat(value.tolist()))
 
 
 def at_least(
