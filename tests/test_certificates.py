@@ -59,6 +59,59 @@ def test_table_1_is_enclosed_for_every_epsilon() -> None:
     assert found == {(theorem, eps) for theorem, values in REFERENCE.items() for eps in values}
 
 
+#: optima as Chen and Fong (2006) print their conditions, from independent prototypes; the last digit is rounded.
+#: Those with eight digits or more from 200 or 300 bits
+CHEN = {
+    "chen2006.nft.hinf": "3.92817",
+    "chen2006.nft.h2": "7.18448",
+    "chen2006.nft.mixed1": "8.3525",
+    "chen2006.nft.mixed5": "10.7701",
+    "chen2006.nft.mixed9": "10.8054",
+    "chen2006.no_delay.hinf": "2.5834",
+    "chen2006.no_delay.h2": "5.0832",
+    "chen2006.example2": "0.018720",
+}
+
+
+@pytest.mark.parametrize("name", CHEN)
+def test_the_conditions_of_s3_are_enclosed(name: str) -> None:
+    certificate = read_certificate(FOLDER / f"{name}.json")
+    assert certificate.standing is Standing.CERTIFIED
+    assert certificate.lower and certificate.upper
+    assert certificate.lower.radius is None
+    report = next(iter(certificate.lower.reports))
+    lower, upper = certificate.lower.reports[report], certificate.upper.reports[report]
+    assert lower <= upper
+    assert (upper - lower) / upper <= Fraction(1, 10**6)
+    half_unit = Fraction(1, 2 * 10 ** len(CHEN[name].partition(".")[2]))
+    assert lower - half_unit <= Fraction(CHEN[name]) <= upper + half_unit
+
+
+def test_the_grids_of_s4_are_enclosed() -> None:
+    """References in 200 bits: 0.10173990; the infimum 0.0951207 of Example 2 is not attained."""
+    first = read_certificate(FOLDER / "mustafa.example1.published.json")
+    assert first.lower and first.upper
+    ends = first.lower.reports["gamma"], first.upper.reports["gamma"]
+    assert first.lower.radius is None
+    assert ends[0] - Fraction(5, 10**9) <= Fraction("0.10173990") <= ends[1] + Fraction(5, 10**9)
+    assert ends[1] / ends[0] - 1 <= Fraction(1, 10**6)
+    second = read_certificate(FOLDER / "mustafa.example2.published.json")
+    assert second.lower and second.upper
+    assert second.lower.reports["gamma"] <= Fraction("0.0951208")
+    assert second.lower.radius
+    assert second.upper.reports["gamma"] <= Fraction("0.09513")
+
+
+def test_a_case_for_all_parameters_is_proven_on_the_whole_domain() -> None:
+    """S1 for every a, b, c in the box, and S4 for every sampling interval."""
+    names = ["wu2007.table1.hinf.box", "wu2007.table1.l2linf.box", "mustafa.example1.whole", "mustafa.example2.whole"]
+    for name in names:
+        certificate = read_certificate(FOLDER / f"{name}.json")
+        assert certificate.standing is Standing.CERTIFIED
+        assert certificate.upper
+        assert not certificate.upper.functionals
+
+
 def test_the_printed_values_of_s1_are_refuted() -> None:
     """1.8469 and 1.3632 of Wu et al. (2007) lie below what r = (1, 0) alone allows."""
     for case, printed in (("hinf", "1.8469"), ("l2linf", "1.3632")):

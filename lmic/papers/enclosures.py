@@ -22,20 +22,23 @@ SHOWN = 9
 class Enclosure:
     """What is proven of a case's value; an end that is not proven is None.
 
-    ``about_theorem`` says that the lower end bounds the theorem and not only its relaxation.
+    ``about_theorem`` says that the lower end bounds the theorem and not only its relaxation; with a
+    ``radius`` it holds for unknowns that are all up to that in size.
     """
 
     standing: Standing
     lower: Fraction | None
     upper: Fraction | None
     about_theorem: bool
+    radius: Fraction | None = None
 
     def __str__(self) -> str:
         lower = None if self.lower is None else decimal(decimal_below(self.lower, SHOWN))
         upper = None if self.upper is None else decimal(decimal_above(self.upper, SHOWN))
+        within = f", the lower end for unknowns up to {float(self.radius):.0e}" if lower and self.radius else ""
         if lower and upper:
-            return f"[{lower}, {upper}]"
-        return f"≥ {lower}" if lower else f"≤ {upper}"
+            return f"[{lower}, {upper}]{within}"
+        return f"≥ {lower}{within}" if lower else f"≤ {upper}"
 
 
 def folder() -> Path:
@@ -66,4 +69,5 @@ def proven(certificate: Certificate, case: Case) -> Enclosure:
         raise CertificateError(f"the certificate of {case.id} does not hold: {verdict.reason}; make it anew")
     lower = certificate.lower.reports.get(case.report) if certificate.lower else None
     upper = certificate.upper.reports.get(case.report) if certificate.upper else None
-    return Enclosure(verdict.standing, lower, upper, verdict.about_theorem)
+    radius = certificate.lower.radius if certificate.lower else None
+    return Enclosure(verdict.standing, lower, upper, verdict.about_theorem, radius)

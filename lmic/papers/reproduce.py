@@ -74,6 +74,7 @@ class Outcome:
         """The outcome as plain data."""
         solution = self.result.solution
         lower, upper = (self.enclosure.lower, self.enclosure.upper) if self.enclosure else (None, None)
+        radius = self.enclosure.radius if self.enclosure else None
         return {
             "id": self.case.id,
             "paper": None if self.case.paper is None else float(self.case.paper),
@@ -88,6 +89,7 @@ class Outcome:
             "frozen_bound": self.frozen.bound if self.frozen else None,
             "lower": float_below(lower) if lower is not None else None,
             "upper": float_above(upper) if upper is not None else None,
+            "lower_for_unknowns_up_to": float(radius) if radius else None,
             "standing": (self.enclosure.standing if self.enclosure else Standing.NUMERICAL).value,
             "warnings": list(solution.warnings),
             "seconds": round(self.result.seconds, 3),
@@ -112,7 +114,7 @@ def reproduce(table: CaseTable, fresh: bool = False) -> Iterator[Outcome]:
         value = result.reports.get(case.report, float("nan"))
         if result.solution.trusted:
             bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
-        if enclosure and enclosure.lower is not None:
+        if enclosure and enclosure.lower is not None and enclosure.radius is None:
             bounds[case.id] = float(enclosure.lower)
         found = verdict(case, value, _doubt(case, result.solution, value), bounds)
         frozen = _frozen(relaxation, case, result)
