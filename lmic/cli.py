@@ -97,7 +97,7 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
     """Print a theorem's block matrices as LaTeX (amsmath)."""
     from lmic import latex as writer
     from lmic import library
-    from lmic.export import write_whole
+    from lmic.files import write_whole
 
     theorem = library.theorem(name)
     if as_json:

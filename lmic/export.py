@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from lmic import svec
 from lmic.assemble import ConicProblem
-from lmic.errors import LmicError
+from lmic.files import write_whole
 
 
 def write_sdpa(problem: ConicProblem, path: Path) -> None:
@@ -42,16 +41,3 @@ def _sdpa_lines(problem: ConicProblem) -> Iterator[str]:
             place = int(row - problem.starts[block])
             entry = value / (1.0 if i[place] == j[place] else np.sqrt(2.0))
             yield f"{column} {block + 1} {i[place] + 1} {j[place] + 1} {sign * float(entry)!r}"
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file completely or not at all."""
-    if path.is_dir():
-        raise LmicError(f"{path} cannot be written: it is a folder; name a file in it")
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(path)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise LmicError(f"{path} cannot be written: {error.strerror}; choose another place") from error
