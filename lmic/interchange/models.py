@@ -22,8 +22,7 @@ Array: TypeAlias = NDArray[Any]
 def cvxpy_problem(problem: ConicProblem | SDP) -> Any:
     """A ``cvxpy.Problem`` in the variable ``x``; constraint k is LMI k.
 
-    Every LMI is a symmetric matrix variable equal to F_k(x) and positive semidefinite, which
-    CVXPY hands to a solver in a fraction of the time of an expression that is.
+    Its expressions are symmetric as they stand: CVXPY looks at the symmetric part alone.
     """
     import cvxpy
 
