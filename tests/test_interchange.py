@@ -14,7 +14,7 @@ from lmic import library, svec
 from lmic.assemble import ConicProblem
 from lmic.errors import LmicError
 from lmic.interchange.formats import FORMATS, read_problem, write_problem
-from lmic.interchange.sdp import SDP, sdp_of_problem
+from lmic.interchange.sdp import SDP, sdp_of_entries, sdp_of_problem
 from lmic.pipeline import compile
 from lmic.plants.plant import Plant
 from lmic.solve.cone import Status
@@ -34,6 +34,13 @@ def test_round_trip_is_exact(suffix: str, sdp: SDP) -> None:
     again = found.read(found.write(sdp))
     assert identical(sdp, again)
     assert found.write(again) == found.write(sdp)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_as_many_unknowns_as_entries(suffix: str) -> None:
+    """SeDuMi's At is square then."""
+    sdp = sdp_of_entries(np.zeros(4), 0.0, np.array([2]), [np.array([k]) for k in (1, 0, 0, 1, 1.0)])
+    assert identical(FORMATS[suffix].read(FORMATS[suffix].write(sdp)), sdp)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

@@ -111,7 +111,8 @@ def _program(arrays: Mapping[str, Any]) -> SDP:
     if 1 not in c.shape or max(c.shape) != total:
         raise FormatError(f"c is {c.shape[0]} x {c.shape[1]} where the cone K has {total} entries; correct one")
     columns = _matrix(arrays.get("At", arrays.get("A")), "At")
-    if columns.shape == (len(b), total):
+    # either may be given either way round, which is doubtful where it is square
+    if columns.shape == (len(b), total) and ("At" not in arrays or len(b) != total):
         columns = columns.T
     if columns.shape != (total, len(b)):
         raise FormatError(
