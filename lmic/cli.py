@@ -6,16 +6,14 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from lmic import __version__
+from lmic.echo import echo_json
 from lmic.errors import LmicError
-from lmic.options import JSON, Choices, compiling, interval, numbers
-
-if TYPE_CHECKING:
-    from lmic.solve.cone import ConeSolver
+from lmic.options import JSON, Choices, compiling, needed, numbers, refuse_with_file
 
 PLANT_HELP = "Plant file: .toml, .json, .mat or .npz."
 PLANT = click.option("--plant", type=click.Path(path_type=Path), required=True, help=PLANT_HELP)
@@ -172,6 +170,7 @@ def solve(
     """
     from lmic.interchange.formats import is_problem_file
     from lmic.solve.registry import solvers
+    from lmic.solving import solve_file, solve_theorem
 
     solver = solvers(solver_names)
     if is_problem_file(name):
@@ -182,106 +181,6 @@ def solve(
         trusted = solve_theorem(name, needed(plant), chosen, solver, search, certify, refine, output, as_json)
     if not trusted:
         sys.exit(1)
-
-
-def solve_theorem(
-    name: str,
-    plant: Path,
-    chosen: Choices,
-    solver: Sequence[ConeSolver],
-    search: str | None,
-    certify: Path | None,
-    refine: int | None,
-    output: Path | None,
-    as_json: bool,
-) -> bool:
-    """Solve a theorem, print what it reports and recovers, and say whether the number is to be trusted."""
-    from lmic import reporting
-    from lmic.certify.certify import certify as prove
-    from lmic.certify.certify import without_unproven_claim
-    from lmic.interchange.design import check_suffix, write_design
-    from lmic.pipeline import run
-    from lmic.search import search_scalar
-    from lmic.solve.cone import Status
-
-    found, refined, certificate = None, None, None
-    if output:
-        check_suffix(output)
-    if refine and (search or not certify):
-        raise LmicError("--refine goes with --certify and without --search; add or remove one")
-    given = numbers(chosen.given, "--set")
-    if search:
-        scalar, low, high = interval(search, "--search")
-        binding = chosen.prepare_files(name, plant)
-        found = search_scalar(binding, scalar, low, high, given, chosen.relaxation(binding.plant), solver)
-        given[scalar] = found.value
-    if refine:
-        from lmic.certify.refine import certify_domain
-
-        binding = chosen.prepare_files(name, plant)
-        relaxation = chosen.relaxation(binding.plant)
-        refined = certify_domain(binding, relaxation, given, chosen.dimensions(), solver, rounds=refine)
-        certificate, result = refined.certificate, refined.result
-    else:
-        result = found.result if found else run(chosen.compile_files(name, plant), solver)
-        # that there is no solution is said only where it is proven
-        if certify or result.solution.status is Status.INFEASIBLE:
-            relaxation = chosen.relaxation(result.problem.binding.plant)
-            certificate = prove(result, relaxation, given, chosen.dimensions())
-            result = without_unproven_claim(result, certificate)
-    if certificate and certify and certify != Path("-"):
-        certificate.write(certify)
-    if output:
-        write_design(result, output)
-    if as_json:
-        record = reporting.result_record(result, certificate)
-        record |= {"search": reporting.search_record(found)} if found else {}
-        record |= {"minimised_on_each_grid": list(refined.values)} if refined else {}
-        record |= {"certificate": str(certify)} if certificate and certify != Path("-") else {}
-        echo_json(record)
-    else:
-        if found:
-            click.echo(f"best {found.scalar} = {found.value:.8g} after {found.solves} solves")
-        if refined:
-            values = ", ".join(f"{value:.8g}" for value in refined.values)
-            click.echo(
-                f"minimised on {len(refined.values)} grids, each with the point where the last one failed: {values}"
-            )
-        reporting.print_result(result, certificate)
-    return result.solution.trusted
-
-
-def solve_file(name: str, solver: Sequence[ConeSolver], as_json: bool) -> bool:
-    """Solve the semidefinite program of a file, print it, and say whether the number is to be trusted."""
-    from time import perf_counter
-
-    from lmic.interchange.formats import read_problem
-    from lmic.interchange.reporting import file_record, print_file
-    from lmic.solve.solve import solve as solve_problem
-
-    sdp = read_problem(name)
-    start = perf_counter()
-    solution = solve_problem(sdp, solver)
-    seconds = perf_counter() - start
-    if as_json:
-        echo_json(file_record(name, sdp, solution, seconds))
-    else:
-        print_file(name, sdp, solution, seconds)
-    return solution.trusted
-
-
-def needed(plant: Path | None) -> Path:
-    """The plant of a theorem."""
-    if plant is None:
-        raise click.MissingParameter(param_hint="'--plant'", param_type="option")
-    return plant
-
-
-def refuse_with_file(name: str, **options: Any) -> None:
-    """Options that mean nothing beside a file that is a whole problem."""
-    given = [option for option, value in options.items() if value]
-    if given:
-        raise LmicError(f"{name} is a whole problem, which --{given[0]} cannot change; leave the option out")
 
 
 @main.command()
@@ -451,20 +350,3 @@ def gallery(output: Path) -> None:
     with terminal.progress(len(library.names()), "gallery") as advance:
         index = write_gallery(output, advance)
     click.echo(str(index))
-
-
-def echo_json(data: Any) -> None:
-    """Print plain data as JSON; infinities and NaN as null."""
-    import json
-
-    click.echo(json.dumps(_finite(data), indent=2, ensure_ascii=False))
-
-
-def _finite(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {key: _finite(value) for key, value in data.items()}
-    if isinstance(data, (list, tuple)):
-        return [_finite(value) for value in data]
-    if isinstance(data, float) and not (abs(data) < float("inf")):
-        return None
-    return data

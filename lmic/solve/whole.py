@@ -14,6 +14,7 @@ from lmic.solve import scaling
 from lmic.solve.cone import ConeAnswer, ConeData, ConeProblem, ConeSolver, Status
 from lmic.solve.lineality import lineality
 from lmic.solve.solution import ABSOLUTE, TRUSTED_UNCERTAINTY, Pass, Solution
+from lmic.solve.vanishing import lifted, vanishing
 
 Array: TypeAlias = NDArray[Any]
 
@@ -127,7 +128,7 @@ def _feasibility(problem: ConeProblem, solver: ConeSolver, passes: int) -> Solut
     """A strictly feasible point; what was measured at it decides, not the solver's word."""
     found = margin(problem, solver, passes)
     packed = problem.matrix @ found.x + problem.offset
-    least, relative, place = _worst(packed, packed, problem.orders, _vanishing(packed, found.x, problem))
+    least, relative, place = _worst(packed, packed, problem.orders, vanishing(packed, found.x, problem, ROUNDING))
     measured = replace(
         found, violation=min(least, 0.0), relative_violation=min(relative, 0.0), worst=problem.label(place)
     )
@@ -201,33 +202,10 @@ def passes_of(
         nearest = candidate if np.isfinite(candidate.slack).all() else _best(found)
         if not np.isfinite(nearest.slack).all():
             break
-        scaled, transform = scaling.rescaled(data, _lifted(nearest, data))
+        scaled, transform = scaling.rescaled(
+            data, lifted(nearest.slack, vanishing(nearest.slack, nearest.x, data, ROUNDING), data.orders)
+        )
     return _best(found), tuple(one.step for one in found)
-
-
-def _lifted(candidate: _Candidate, data: ConeData) -> Array:
-    """The slack of a candidate, the identity times the size of the data where it vanishes."""
-    sizes = _vanishing(candidate.slack, candidate.x, data)
-    identities = [size * svec_identity(int(order)) for size, order in zip(sizes, data.orders, strict=True)]
-    lift = np.concatenate(identities)
-    return np.where(np.repeat(sizes > 0, data.orders * (data.orders + 1) // 2), lift, candidate.slack)
-
-
-def _vanishing(slack: Array, x: Array, data: ConeData | ConeProblem) -> Array:
-    """The size of the data of every LMI whose slack is zero to rounding, zero for the others.
-
-    Nothing is relative to such a slack, and it has no inverse root.
-    """
-    sizes = abs(data.matrix) @ np.abs(x) + np.abs(data.offset)
-    found, start = np.zeros(len(data.orders)), 0
-    for k, order in enumerate(map(int, data.orders)):
-        identity = svec_identity(order)
-        part = slice(start, start + len(identity))
-        size = sizes[part].max()
-        if np.abs(slack[part] * identity).max() <= ROUNDING * size:
-            found[k] = size
-        start += len(identity)
-    return found
 
 
 def _retreat(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidate, tuple[Pass, ...]]:
@@ -270,7 +248,7 @@ def _candidate(data: ConeData, scaled: ConeData, transform: scaling.Scaling, ans
     x = transform.x(answer.y)
     slack = scaling.unscaled_slack(answer.s, transform, data.orders)
     dual = scaling.unscaled_dual(answer.z, transform, data.orders)
-    relative = _worst(data.matrix @ x + data.offset, slack, data.orders, _vanishing(slack, x, data))[1]
+    relative = _worst(data.matrix @ x + data.offset, slack, data.orders, vanishing(slack, x, data, ROUNDING))[1]
     # where the dual misses its equalities it bounds less: charge the miss, weighed with this y
     miss = float(np.abs(scaled.matrix.T @ answer.z - scaled.cost) @ np.abs(answer.y))
     bound = float(-data.offset @ dual) - miss
@@ -305,7 +283,7 @@ def judged(
     """Measure the answer on the problem itself and say what is wrong with it."""
     rows = int(problem.starts[-1])
     slack = best.slack[:rows]
-    floors = _vanishing(slack, x, problem)
+    floors = vanishing(slack, x, problem, ROUNDING)
     least, relative, place = _worst(problem.matrix @ x + problem.offset, slack, problem.orders, floors)
     found = Solution(
         status=best.answer.status,
