@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from interchange_tools import LAG_GAIN, identical, lag
 
 from lmic import library
 from lmic.assemble import ConicProblem
+from lmic.errors import LmicError
 from lmic.interchange.formats import read_problem, write_problem
 from lmic.interchange.models import cvxpy_problem, picos_problem
 from lmic.interchange.sdp import SDP, sdp_of_problem
@@ -104,6 +106,12 @@ def test_picos(problem: ConicProblem, optimum: float) -> None:
     model = picos_problem(problem)
     model.solve(solver="cvxopt")
     assert model.value == pytest.approx(optimum, rel=1e-5)
+
+
+def test_without_picos_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "picos", None)
+    with pytest.raises(LmicError, match=r"pip install 'lmic\[picos\]'"):
+        picos_problem(lag())
 
 
 def test_models_keep_the_sense_and_the_constant() -> None:
