@@ -16,6 +16,10 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from lmic.certify.certificate import read_certificate as read_certificate
     from lmic.certify.verify import verify as verify
+    from lmic.interchange.formats import read_problem as read_problem
+    from lmic.interchange.formats import write_problem as write_problem
+    from lmic.interchange.models import cvxpy_problem as cvxpy_problem
+    from lmic.interchange.models import picos_problem as picos_problem
     from lmic.library import theorem as theorem
     from lmic.pipeline import compile as compile
     from lmic.pipeline import finish as finish
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
     from lmic.relax.relax import Relaxation as Relaxation
     from lmic.search import bisect as bisect
     from lmic.search import line_search as line_search
+    from lmic.solve.registry import solvers as solvers
 
 _HOME = {
     "Grid": "lmic.relax.grid",
@@ -34,14 +39,19 @@ _HOME = {
     "Relaxation": "lmic.relax.relax",
     "bisect": "lmic.search",
     "compile": "lmic.pipeline",
+    "cvxpy_problem": "lmic.interchange.models",
     "finish": "lmic.pipeline",
     "line_search": "lmic.search",
+    "picos_problem": "lmic.interchange.models",
     "prepare": "lmic.pipeline",
     "read_certificate": "lmic.certify.certificate",
     "read_plant": "lmic.plants.files",
+    "read_problem": "lmic.interchange.formats",
     "run": "lmic.pipeline",
+    "solvers": "lmic.solve.registry",
     "theorem": "lmic.library",
     "verify": "lmic.certify.verify",
+    "write_problem": "lmic.interchange.formats",
 }
 
 

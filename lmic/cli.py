@@ -11,11 +11,19 @@ from typing import Any
 import click
 
 from lmic import __version__
+from lmic.echo import echo_json
 from lmic.errors import LmicError
-from lmic.options import JSON, Choices, compiling, interval, numbers
+from lmic.options import JSON, Choices, compiling, needed, numbers, refuse_with_file
 
-PLANT = click.option(
-    "--plant", type=click.Path(path_type=Path), required=True, help="Plant file: .toml, .json, .mat or .npz."
+PLANT_HELP = "Plant file: .toml, .json, .mat or .npz."
+PLANT = click.option("--plant", type=click.Path(path_type=Path), required=True, help=PLANT_HELP)
+PLANT_OF_THEOREM = click.option("--plant", type=click.Path(path_type=Path), help=f"{PLANT_HELP} Needed for a theorem.")
+SOLVER = click.option(
+    "--solver",
+    "solver_names",
+    multiple=True,
+    metavar="NAME",
+    help="clarabel, scs, cvxopt, sdpa, mosek or copt; given again, the next takes over where one fails.",
 )
 
 
@@ -91,18 +99,26 @@ def show(name: str, plant: Path | None, vertices: int, as_json: bool, **choices:
 @main.command()
 @click.argument("name")
 @click.option("--document", is_flag=True, help="A whole document that pdflatex compiles.")
+@click.option("--mathml", is_flag=True, help="MathML in place of LaTeX.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write to a file.")
 @JSON
-def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None:
-    """Print a theorem's block matrices as LaTeX (amsmath)."""
+def latex(name: str, document: bool, mathml: bool, output: Path | None, as_json: bool) -> None:
+    """Print a theorem's block matrices as LaTeX (amsmath), numbered and labelled, or as MathML."""
     from lmic import latex as writer
     from lmic import library
-    from lmic.export import write_whole
+    from lmic import mathml as mathml_writer
+    from lmic.files import write_whole
 
     theorem = library.theorem(name)
+    if document and mathml:
+        raise LmicError("--document is of LaTeX; leave it or --mathml out")
     if as_json:
-        return echo_json({name: writer.matrix(lmi) for name, lmi in writer.statement_lmis(theorem).items()})
-    text = writer.document(theorem) if document else writer.theorem(theorem)
+        matrix = mathml_writer.matrix if mathml else writer.matrix
+        return echo_json({name: matrix(lmi) for name, lmi in writer.statement_lmis(theorem).items()})
+    if mathml:
+        text = mathml_writer.theorem(theorem)
+    else:
+        text = writer.document(theorem) if document else writer.theorem(theorem)
     if output:
         write_whole(output, text + "\n")
     else:
@@ -112,8 +128,9 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
 
 @main.command()
 @click.argument("name")
-@PLANT
+@PLANT_OF_THEOREM
 @compiling
+@SOLVER
 @click.option("--search", metavar="NAME=LOW:HIGH", help="Best value of a scalar, by bisection or a line search.")
 @click.option(
     "--certify",
@@ -129,65 +146,40 @@ def latex(name: str, document: bool, output: Path | None, as_json: bool) -> None
     metavar="ROUNDS",
     help="With --certify: points where the proof on the whole domain fails join the grid, for so many rounds.",
 )
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="Write the recovered design at the domains' vertices: .npz, .mat or .tex.",
+)
 @JSON
 def solve(
     name: str,
-    plant: Path,
+    plant: Path | None,
+    solver_names: tuple[str, ...],
     search: str | None,
     certify: Path | None,
     refine: int | None,
+    output: Path | None,
     as_json: bool,
     **choices: Any,
 ) -> None:
-    """Solve a theorem (by name or path) for a plant and print what it reports and recovers."""
-    from lmic import reporting
-    from lmic.certify.certify import certify as prove
-    from lmic.certify.certify import without_unproven_claim
-    from lmic.pipeline import run
-    from lmic.search import search_scalar
-    from lmic.solve.cone import Status
+    """Solve a theorem (by name or path) for a plant and print what it reports and recovers.
 
-    chosen, found, refined, certificate = Choices(**choices), None, None, None
-    if refine and (search or not certify):
-        raise LmicError("--refine goes with --certify and without --search; add or remove one")
-    given = numbers(chosen.given, "--set")
-    if search:
-        scalar, low, high = interval(search, "--search")
-        binding = chosen.prepare_files(name, plant)
-        found = search_scalar(binding, scalar, low, high, given, chosen.relaxation(binding.plant))
-        given[scalar] = found.value
-    if refine:
-        from lmic.certify.refine import certify_domain
+    NAME may also be a file with a semidefinite program: .dat-s (SDPA), .cbf, .mat (SeDuMi) or .npz.
+    """
+    from lmic.interchange.formats import is_problem_file
+    from lmic.solve.registry import solvers
+    from lmic.solving import solve_file, solve_theorem
 
-        binding = chosen.prepare_files(name, plant)
-        relaxation = chosen.relaxation(binding.plant)
-        refined = certify_domain(binding, relaxation, given, chosen.dimensions(), rounds=refine)
-        certificate, result = refined.certificate, refined.result
+    solver = solvers(solver_names)
+    if is_problem_file(name):
+        refuse_with_file(name, plant=plant, search=search, certify=certify, refine=refine, output=output, **choices)
+        trusted = solve_file(name, solver, as_json)
     else:
-        result = found.result if found else run(chosen.compile_files(name, plant))
-        # that there is no solution is said only where it is proven
-        if certify or result.solution.status is Status.INFEASIBLE:
-            relaxation = chosen.relaxation(result.problem.binding.plant)
-            certificate = prove(result, relaxation, given, chosen.dimensions())
-            result = without_unproven_claim(result, certificate)
-    if certificate and certify and certify != Path("-"):
-        certificate.write(certify)
-    if as_json:
-        record = reporting.result_record(result, certificate)
-        record |= {"search": reporting.search_record(found)} if found else {}
-        record |= {"minimised_on_each_grid": list(refined.values)} if refined else {}
-        record |= {"certificate": str(certify)} if certificate and certify != Path("-") else {}
-        echo_json(record)
-    else:
-        if found:
-            click.echo(f"best {found.scalar} = {found.value:.8g} after {found.solves} solves")
-        if refined:
-            values = ", ".join(f"{value:.8g}" for value in refined.values)
-            click.echo(
-                f"minimised on {len(refined.values)} grids, each with the point where the last one failed: {values}"
-            )
-        reporting.print_result(result, certificate)
-    if not result.solution.trusted:
+        chosen = Choices(**choices)
+        trusted = solve_theorem(name, needed(plant), chosen, solver, search, certify, refine, output, as_json)
+    if not trusted:
         sys.exit(1)
 
 
@@ -243,23 +235,35 @@ def refute(name: str, plant: Path, below: str, output: Path | None, as_json: boo
 
 @main.command()
 @click.argument("name")
-@PLANT
+@PLANT_OF_THEOREM
 @compiling
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="File to write, ending in .dat-s.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="File to write: .dat-s (SDPA), .cbf, .mat (SeDuMi) or .npz (NumPy).",
+)
 @JSON
-def export(name: str, plant: Path, output: Path, as_json: bool, **choices: Any) -> None:
-    """Write the compiled problem in SDPA sparse format."""
-    from lmic.export import write_sdpa
+def export(name: str, plant: Path | None, output: Path, as_json: bool, **choices: Any) -> None:
+    """Write the compiled problem for another program, in the format that the file's suffix names.
 
-    if output.suffix != ".dat-s":
-        raise LmicError(f"the format of {output} is unknown; end the name in .dat-s")
-    problem = Choices(**choices).compile_files(name, plant)
-    write_sdpa(problem, output)
-    summary = {"file": str(output), "unknowns": problem.size, "lmis": len(problem.orders)}
+    NAME may also be a file in one of the formats, which is then converted.
+    """
+    from lmic.interchange.formats import is_problem_file, read_problem, write_problem
+    from lmic.interchange.sdp import sdp_of_problem
+
+    if is_problem_file(name):
+        refuse_with_file(name, plant=plant, **choices)
+        sdp = read_problem(name)
+    else:
+        sdp = sdp_of_problem(Choices(**choices).compile_files(name, needed(plant)))
+    write_problem(sdp, output)
+    summary = {"file": str(output), "unknowns": sdp.size, "lmis": len(sdp.orders), "soundness": sdp.notes.soundness}
     if as_json:
         echo_json(summary)
     else:
-        click.echo(f"{output}: {problem.size} unknowns, {len(problem.orders)} LMIs")
+        click.echo(f"{output}: {sdp.size} unknowns, {len(sdp.orders)} LMIs, soundness: {sdp.notes.soundness}")
 
 
 @main.command()
@@ -346,20 +350,3 @@ def gallery(output: Path) -> None:
     with terminal.progress(len(library.names()), "gallery") as advance:
         index = write_gallery(output, advance)
     click.echo(str(index))
-
-
-def echo_json(data: Any) -> None:
-    """Print plain data as JSON; infinities and NaN as null."""
-    import json
-
-    click.echo(json.dumps(_finite(data), indent=2, ensure_ascii=False))
-
-
-def _finite(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {key: _finite(value) for key, value in data.items()}
-    if isinstance(data, (list, tuple)):
-        return [_finite(value) for value in data]
-    if isinstance(data, float) and not (abs(data) < float("inf")):
-        return None
-    return data

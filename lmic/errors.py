@@ -80,3 +80,11 @@ class LibraryError(LmicError):
 
 class CertificateError(LmicError):
     """A certificate is malformed, or states what cannot be proven."""
+
+
+class FormatError(LmicError):
+    """A file of a semidefinite program is damaged, or states what lmic does not take."""
+
+
+class SolverError(LmicError):
+    """A solver is not installed, has no licence, or broke down without an answer."""

@@ -45,12 +45,9 @@ def statement_lmis(statement: Theorem) -> dict[str, LMI]:
 
 
 def theorem(statement: Theorem) -> str:
-    """All LMIs of a theorem, each with a label, as ``align`` would number them."""
-    parts = [
-        f"\\begin{{equation}}\\label{{eq:{statement.name}:{name}}}\n{matrix(lmi)}\n\\end{{equation}}"
-        for name, lmi in statement_lmis(statement).items()
-    ]
-    return "\n".join(parts)
+    """All LMIs of a theorem as one ``align``, each with its number and its label eq:THEOREM:LMI (needs amsmath)."""
+    lines = [f"&{matrix(lmi)} \\label{{eq:{statement.name}:{name}}}" for name, lmi in statement_lmis(statement).items()]
+    return "\\begin{align}\n" + " \\\\\n".join(lines) + "\n\\end{align}"
 
 
 def document(statement: Theorem) -> str:

@@ -114,6 +114,20 @@ class Choices:
         )
 
 
+def needed(plant: Path | None) -> Path:
+    """The plant of a theorem."""
+    if plant is None:
+        raise click.MissingParameter(param_hint="'--plant'", param_type="option")
+    return plant
+
+
+def refuse_with_file(name: str, **options: Any) -> None:
+    """Options that mean nothing beside a file that is a whole problem."""
+    given = [option for option, value in options.items() if value]
+    if given:
+        raise LmicError(f"{name} is a whole problem, which --{given[0]} cannot change; leave the option out")
+
+
 def interval(text: str, option: str) -> tuple[str, float, float]:
     """``"eps=0.1:6"`` as a name and the two ends."""
     ((name, value),) = _pairs([text], option).items()

@@ -15,7 +15,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -93,8 +93,8 @@ def compile(
     return finish(prepare(theorem, plant, dependence, sizes), given, relaxation)
 
 
-def run(problem: ConicProblem, solver: ConeSolver | None = None) -> Result:
-    """Stages 6 and 8: solve and recover."""
+def run(problem: ConicProblem, solver: ConeSolver | Sequence[ConeSolver] | None = None) -> Result:
+    """Stages 6 and 8: solve, with one solver after another until one has an answer, and recover."""
     start = perf_counter()
     check_assumptions(problem.binding)
     solution = solve(problem, solver)

@@ -39,6 +39,15 @@ class Design:
         values = {name: self.at(node, parameters) for name, node in self.binding.theorem.recover.items()}
         return {name: value[0] if single and value.ndim == 3 else value for name, value in values.items()}
 
+    def state_spaces(self, **parameters: Any) -> list[Any]:
+        """The recovered filter or controller as a ``control.StateSpace`` at each parameter value.
+
+        See :func:`lmic.statespace.state_spaces`; :meth:`__call__` gives the same matrices as plain arrays.
+        """
+        from lmic.statespace import state_spaces
+
+        return state_spaces(self, **parameters)
+
     @cached_property
     def unknowns(self) -> dict[str, MatrixPolynomial]:
         """Every matrix unknown as a polynomial in the parameters' components."""

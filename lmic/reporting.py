@@ -22,6 +22,7 @@ from lmic.pipeline import Result
 from lmic.relax.family import LMIFamily
 from lmic.search import Found
 from lmic.simulate.trajectory import Trajectory
+from lmic.solve.solution import Solution
 from lmic.terminal import console, table
 
 #: digits of a proven end on the screen, rounded outwards
@@ -133,19 +134,7 @@ def result_record(result: Result, certificate: Certificate | None = None) -> dic
         "plant": result.problem.binding.plant.name,
         "given": {symbol.name: value for symbol, value in result.problem.binding.values.items()},
         "reports": dict(result.reports),
-        "status": solution.status.value,
-        "advice": solution.status.advice,
-        "solver": solution.solver,
-        "passes": [{"word": step.word, "iterations": step.iterations} for step in solution.passes],
-        "iterations": solution.iterations,
-        "objective": solution.value,
-        "dual_objective": solution.bound,
-        "uncertainty": solution.uncertainty,
-        "violation": solution.violation,
-        "relative_violation": solution.relative_violation,
-        "worst_lmi": solution.worst,
-        "lineality": solution.lineality,
-        "warnings": list(solution.warnings),
+        **solution_record(solution),
         "soundness": result.problem.soundness.value,
         "lmis": [family_record(family) for family in result.problem.families],
         "unknowns": _unknowns(result),
@@ -217,32 +206,67 @@ def print_result(result: Result, certificate: Certificate | None = None) -> None
     out, solution = console(), result.solution
     out.print(f"[bold]{result.theorem.name}[/bold]  {result.theorem.title}")
     print_families(result.problem)
-    words = ", ".join(f"{step.word} ({step.iterations})" for step in solution.passes)
-    out.print(f"\nsolver      {solution.solver}: {words}; {solution.iterations} iterations in {result.seconds:.2f} s")
-    out.print(f"status      {solution.status.value}")
-    if not solution.status.usable:
-        if certificate and certificate.infeasible:
-            out.print(f"proof       {infeasibility(certificate)}")
-        for line in (*(certificate.notes if certificate else ()), solution.status.advice):
-            out.print(f"            {line}", markup=False)
+    notes = list(certificate.notes) if certificate else []
+    proof = infeasibility(certificate) if certificate else ""
+    if not print_solution(solution, result.seconds, proof, notes):
         return
-    relative = f"relative to diag S: {abs(solution.relative_violation):.1e}"
-    where = f", largest at {solution.worst}" if solution.violation < 0 else ""
-    out.print(f"violation   {abs(solution.violation):.1e} ({relative}){where}")
-    out.print(f"uncertainty {solution.uncertainty:.1e} (gap, and what mending the violation costs; relative)")
-    out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
     known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     for name, value in result.reports.items():
         proven = enclosure(certificate, name) if certificate else known
         out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {proven}; relaxation {result.problem.soundness.value}")
     if certificate and (certificate.upper or certificate.lower):
         out.print(f"proven from {certificate.solver}")
-    for note in certificate.notes if certificate else ():
+    for note in notes:
         out.print(f"            {note}", markup=False)
     for warning in solution.warnings:
         out.print(f"[bold red]warning[/bold red]     {warning}")
     if result.theorem.recover:
         print_design(result)
+
+
+def print_solution(solution: Solution, seconds: float, proof: str = "", notes: Sequence[str] = ()) -> bool:
+    """Solver, status and what was measured, for people; whether there is an answer to look at.
+
+    Where there is none, ``proof`` is what is proven of that.
+    """
+    out = console()
+    for reason in solution.handovers:
+        out.print(f"handed over {reason}", markup=False)
+    words = ", ".join(f"{step.word} ({step.iterations})" for step in solution.passes)
+    out.print(f"\nsolver      {solution.solver}: {words}; {solution.iterations} iterations in {seconds:.2f} s")
+    out.print(f"status      {solution.status.value}")
+    if not solution.status.usable:
+        if proof:
+            out.print(f"proof       {proof}")
+        for line in (*notes, solution.status.advice):
+            out.print(f"            {line}", markup=False)
+        return False
+    relative = f"relative to diag S: {abs(solution.relative_violation):.1e}"
+    where = f", largest at {solution.worst}" if solution.violation < 0 else ""
+    out.print(f"violation   {abs(solution.violation):.1e} ({relative}){where}")
+    out.print(f"uncertainty {solution.uncertainty:.1e} (gap, and what mending the violation costs; relative)")
+    out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
+    return True
+
+
+def solution_record(solution: Solution) -> dict[str, Any]:
+    """What was measured of an answer as plain data."""
+    return {
+        "status": solution.status.value,
+        "advice": solution.status.advice,
+        "solver": solution.solver,
+        "handed_over": list(solution.handovers),
+        "passes": [{"word": step.word, "iterations": step.iterations} for step in solution.passes],
+        "iterations": solution.iterations,
+        "objective": solution.value,
+        "dual_objective": solution.bound,
+        "uncertainty": solution.uncertainty,
+        "violation": solution.violation,
+        "relative_violation": solution.relative_violation,
+        "worst_lmi": solution.worst,
+        "lineality": solution.lineality,
+        "warnings": list(solution.warnings),
+    }
 
 
 def enclosure(certificate: Certificate, name: str) -> str:

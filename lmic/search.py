@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,13 +33,19 @@ class Found:
 
 
 def search_scalar(
-    binding: Binding, scalar: str, low: float, high: float, given: Mapping[str, Any], relaxation: Relaxation
+    binding: Binding,
+    scalar: str,
+    low: float,
+    high: float,
+    given: Mapping[str, Any],
+    relaxation: Relaxation,
+    solver: ConeSolver | Sequence[ConeSolver] | None = None,
 ) -> Found:
     """Bisection where the theorem declares it for this scalar, a line search otherwise."""
     declared = binding.theorem.bisect
     if declared is not None and declared.scalar.name == scalar:
-        return bisect(binding, low, high, given, relaxation)
-    return line_search(binding, scalar, low, high, given, relaxation)
+        return bisect(binding, low, high, given, relaxation, solver)
+    return line_search(binding, scalar, low, high, given, relaxation, solver)
 
 
 def bisect(
@@ -48,7 +54,7 @@ def bisect(
     high: float,
     given: Mapping[str, Any] | None = None,
     relaxation: Relaxation | None = None,
-    solver: ConeSolver | None = None,
+    solver: ConeSolver | Sequence[ConeSolver] | None = None,
     tolerance: float = 1e-6,
 ) -> Found:
     """Best value of the theorem's ``bisect`` scalar in [low, high], to ``tolerance`` (relative).
@@ -90,7 +96,7 @@ def line_search(
     high: float,
     given: Mapping[str, Any] | None = None,
     relaxation: Relaxation | None = None,
-    solver: ConeSolver | None = None,
+    solver: ConeSolver | Sequence[ConeSolver] | None = None,
     tolerance: float = 1e-4,
     samples: int = 9,
 ) -> Found:

@@ -43,3 +43,16 @@ def unpack(packed: Array, order: int) -> Array:
     matrices[..., rows, cols] = packed
     matrices[..., cols, rows] = packed
     return matrices
+
+
+def lower_by_columns(orders: Array) -> Array:
+    """Where the packed entries of matrices, one after another, stand as lower triangles column by column.
+
+    Solvers that take the lower triangle (SCS, MOSEK, COPT) hold entry ``e`` at place ``result[e]``.
+    """
+    places, start = [], 0
+    for order in map(int, orders):
+        small, large = triangle(order)
+        places.append(start + small * order - small * (small - 1) // 2 + large - small)
+        start += length(order)
+    return np.concatenate(places)

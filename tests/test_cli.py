@@ -251,11 +251,11 @@ def test_one_vertex(folder: Path) -> None:
 
 def test_export(folder: Path) -> None:
     command = ("export", "my_theorem.py", "--plant", "plant.toml", "-o", "out.dat-s")
-    assert answer(*command) == {"file": "out.dat-s", "unknowns": 15, "lmis": 6}
+    assert answer(*command) == {"file": "out.dat-s", "unknowns": 15, "lmis": 6, "soundness": "sufficient"}
     written = (folder / "out.dat-s").read_text(encoding="utf-8")
     assert [line for line in written.splitlines() if not line.startswith('"')][:2] == ["15", "6"]
     again = lmic(*command)
-    assert again.stdout == "out.dat-s: 15 unknowns, 6 LMIs\n"
+    assert again.stdout == "out.dat-s: 15 unknowns, 6 LMIs, soundness: sufficient\n"
     assert (folder / "out.dat-s").read_text(encoding="utf-8") == written
 
 

@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+import lmic
 from lmic.cli import main
+from lmic.plants.plant import Plant
+from lmic.solve.registry import SOLVERS
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
@@ -28,7 +31,7 @@ def comparable(printed: str) -> list[str]:
 
 
 def test_first_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "my_theorem.py").write_text(block("python"), encoding="utf-8")
+    (tmp_path / "my_theorem.py").write_text(block("python", "theorem = Theorem"), encoding="utf-8")
     (tmp_path / "plant.toml").write_text(block("toml"), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     program, *words = block("sh", "lmic solve").split()
@@ -41,8 +44,23 @@ def test_first_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(float(value) < 1e-9 for value in violations.groups())
 
 
+def test_files_and_solvers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plant = Plant.polytopic(A=[[[0.5]], [[0.3]]], B_w=[[1]], C_y=[[1]], D_y=[[1]], C_z=[[1]], D_z=[[0]])
+    problem = lmic.compile(lmic.theorem("peixoto2025.theorem1"), plant, {"eps": 10})
+    monkeypatch.chdir(tmp_path)
+    lmic.write_problem(problem, "F.dat-s")
+    names = {"problem": problem}
+    exec(block("python", "read_problem"), names)
+    assert names["result"].solution.solver == "cvxopt"
+    assert (tmp_path / "F.cbf").exists()
+
+
+def test_every_solver_is_in_the_readme() -> None:
+    assert all(f"`{name}`" in README for name in SOLVERS)
+
+
 def test_the_definition_has_fifteen_lines() -> None:
-    assert len([line for line in block("python").splitlines() if line.strip()]) == 15
+    assert len([line for line in block("python", "theorem = Theorem").splitlines() if line.strip()]) == 15
 
 
 def test_every_command_is_in_the_readme() -> None:

@@ -109,7 +109,7 @@ class Certificate:
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the file."""
-        from lmic.export import write_whole
+        from lmic.files import write_whole
 
         write_whole(Path(path), text(self))
 

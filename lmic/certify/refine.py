@@ -7,7 +7,7 @@ every parameter or the rounds are spent.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -51,7 +51,7 @@ def certify_domain(
     relaxation: Relaxation,
     given: Mapping[str, Any] | None = None,
     sizes: Mapping[str, int] | None = None,
-    solver: ConeSolver | None = None,
+    solver: ConeSolver | Sequence[ConeSolver] | None = None,
     rounds: int = ROUNDS,
     budget: int = BUDGET,
 ) -> Refined:

@@ -7,7 +7,7 @@ from itertools import groupby
 from pathlib import Path
 
 from lmic import library
-from lmic.export import write_whole
+from lmic.files import write_whole
 from lmic.pages.site import render
 from lmic.pages.statement import cases_of, statement
 from lmic.papers.cases import case_tables

@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from lmic import library
-from lmic.export import write_whole
+from lmic.files import write_whole
 from lmic.pages.site import render
 from lmic.pages.statement import statement
 from lmic.papers.cases import CaseTable

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import sympy as sp
-from latex2mathml.converter import convert
 from markupsafe import Markup
 
 from lmic import latex
+from lmic import mathml as writer
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import Case, CaseTable
 
@@ -66,7 +66,7 @@ def cases_of(theorem: str, tables: list[CaseTable]) -> list[tuple[CaseTable, Cas
 
 def mathml(text: str) -> Markup:
     """LaTeX as MathML for a display."""
-    return Markup(convert(text, display="block"))
+    return Markup(writer.display(text))
 
 
 def _equation(name: str, value: str) -> Markup:

@@ -24,7 +24,7 @@ Array: TypeAlias = NDArray[Any]
 
 _HEADER = b"MATLAB 5.0 MAT-file"
 _HEADER_SIZE = 128
-_ARRAY, _PACKED = 14, 15
+ARRAY, _PACKED = 14, 15
 _NUMBERS: Mapping[int, str] = {
     1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8", 17: "u2", 18: "u4"
 }  # fmt: skip
@@ -40,31 +40,42 @@ def read_arrays(content: bytes, max_bytes: int) -> dict[str, Array]:
     Raises PlantError for other kinds of file or array, and ValueError, struct.error or zlib.error
     for damaged data.
     """
+    order = byte_order(content)
+    arrays: dict[str, Array] = {}
+    for data in stored_arrays(content, order, max_bytes):
+        name, array = _array(data, order)
+        if name in arrays:
+            raise PlantError(f"holds {quoted(name)} twice; keep one")
+        arrays[name] = array
+    return arrays
+
+
+def byte_order(content: bytes) -> str:
+    """How numbers are stored, "<" or ">"; raises PlantError for other kinds of file."""
     if not content.startswith(_HEADER):
         version = "is of version 7.3" if content.startswith(b"MATLAB 7.3") else "is not a MATLAB file of version 5 to 7"
         raise PlantError(f"{version}; save it in MATLAB with the option -v7")
-    order = "<" if content[_HEADER_SIZE - 2 : _HEADER_SIZE] == b"IM" else ">"
-    arrays: dict[str, Array] = {}
+    return "<" if content[_HEADER_SIZE - 2 : _HEADER_SIZE] == b"IM" else ">"
+
+
+def stored_arrays(content: bytes, order: str, max_bytes: int) -> Iterator[bytes]:
+    """The data of every array of a file, unpacked."""
     left = max_bytes
-    for kind, data in _elements(content[_HEADER_SIZE:], order):
-        elements = [(kind, data)]
+    for kind, data in elements(content[_HEADER_SIZE:], order):
+        found = [(kind, data)]
         if kind == _PACKED:
             unpacked = zlib.decompressobj().decompress(data, left + 1)
             left -= len(unpacked)
             if left < 0:
-                raise PlantError(f"holds more than {max_bytes >> 20} MiB of data; a plant file holds a few matrices")
-            elements = list(_elements(unpacked, order))
-        for element_kind, array_data in elements:
-            if element_kind != _ARRAY:
+                raise PlantError(f"holds more than {max_bytes >> 20} MiB of data; a file for lmic holds less")
+            found = list(elements(unpacked, order))
+        for element_kind, array_data in found:
+            if element_kind != ARRAY:
                 raise ValueError(f"an element of type {element_kind} stands where an array should")
-            name, array = _array(array_data, order)
-            if name in arrays:
-                raise PlantError(f"holds {quoted(name)} twice; keep one")
-            arrays[name] = array
-    return arrays
+            yield array_data
 
 
-def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+def elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
     """Types and data of consecutive elements."""
     position = 0
     while position < len(data):
@@ -80,7 +91,7 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
 
 def _array(data: bytes, order: str) -> tuple[str, Array]:
     """Name and value of an array."""
-    (_, flags), *parts = _elements(data, order)
+    (_, flags), *parts = elements(data, order)
     (word,) = struct.unpack_from(f"{order}I", flags)
     matlab_class, attributes = word & 0xFF, word >> 8
     if matlab_class == _OPAQUE:  # has no sizes
@@ -94,9 +105,16 @@ def _array(data: bytes, order: str) -> tuple[str, Array]:
             f"{quoted(name)} is of class {refused}; save full matrices of real numbers, and texts in single quotes"
         )
     ((kind, stored),) = values
-    if kind == _UTF8 and matlab_class == _TEXT:
-        return name, np.array(stored.decode())
-    numbers = np.frombuffer(stored, dtype=order + _NUMBERS[kind])
     if matlab_class == _TEXT:
-        return name, np.array("".join(map(chr, numbers)))
-    return name, numbers.reshape(np.frombuffer(sizes, dtype=f"{order}i4"), order="F")
+        return name, np.array(text(kind, stored, order))
+    return name, numbers(kind, stored, order).reshape(np.frombuffer(sizes, dtype=f"{order}i4"), order="F")
+
+
+def numbers(kind: int, stored: bytes, order: str) -> Array:
+    """The numbers of an element, in any type that holds them."""
+    return np.frombuffer(stored, dtype=order + _NUMBERS[kind])
+
+
+def text(kind: int, stored: bytes, order: str) -> str:
+    """The text of an element."""
+    return stored.decode() if kind == _UTF8 else "".join(map(chr, numbers(kind, stored, order)))

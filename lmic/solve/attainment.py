@@ -14,9 +14,8 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic.assemble import ConicProblem
 from lmic.solve import scaling
-from lmic.solve.cone import ConeData, ConeSolver
+from lmic.solve.cone import ConeData, ConeProblem, ConeSolver
 from lmic.solve.solution import Solution
 from lmic.solve.whole import judged, passes_of
 
@@ -28,7 +27,7 @@ RADII = (1e3, 1e4, 1e5, 1e6)
 REACHED = 0.999
 
 
-def with_attainment(problem: ConicProblem, found: Solution, solver: ConeSolver, passes: int) -> Solution:
+def with_attainment(problem: ConeProblem, found: Solution, solver: ConeSolver, passes: int) -> Solution:
     """The solution, or the best one within the last bound where no bound attains the infimum, and a word about it.
 
     Asked only where the answer is usable and leaves something to warn of: an attained optimum is

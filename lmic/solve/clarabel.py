@@ -8,7 +8,7 @@ import clarabel
 import numpy as np
 import scipy.sparse as sps
 
-from lmic.solve.cone import ConeAnswer, ConeData, Status
+from lmic.solve.cone import ConeAnswer, ConeData, Status, no_answer
 
 _STATUS = {
     "Solved": Status.SOLVED,
@@ -60,8 +60,7 @@ class Clarabel:
         except BaseException as error:
             if type(error).__name__ != "PanicException":  # how a Rust panic arrives in Python
                 raise
-            nothing = np.full(len(data.offset), np.nan)
-            return ConeAnswer(Status.FAILED, np.full(size, np.nan), nothing, nothing, 0, "Panic")
+            return no_answer(data, "Panic")
         word = str(solution.status)
         return ConeAnswer(
             _STATUS.get(word, Status.FAILED),

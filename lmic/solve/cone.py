@@ -6,10 +6,57 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol, TypeAlias
 
+import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[Any]
+
+
+class ConeProblem(Protocol):
+    """What solving needs of a problem, compiled or read from a file: minimise cost·x + constant.
+
+    ``matrix`` and ``offset`` hold svec of all LMIs, ``starts`` the first row of each and the number of rows.
+    """
+
+    @property
+    def cost(self) -> Array:
+        """Coefficients of the objective; all zero for a feasibility problem."""
+        ...
+
+    @property
+    def constant(self) -> float:
+        """Constant of the objective."""
+        ...
+
+    @property
+    def size(self) -> int:
+        """Number of scalar unknowns."""
+        ...
+
+    @property
+    def orders(self) -> Array:
+        """Order of each LMI."""
+        ...
+
+    @property
+    def starts(self) -> Array:
+        """First row of each LMI, and the number of rows."""
+        ...
+
+    @property
+    def matrix(self) -> sps.csc_array:
+        """Columns of the unknowns, rows svec of all LMIs."""
+        ...
+
+    @property
+    def offset(self) -> Array:
+        """svec of all LMIs at x = 0."""
+        ...
+
+    def label(self, index: int) -> str:
+        """Name of the LMI number ``index``."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -69,11 +116,20 @@ class ConeAnswer:
     word: str
 
 
+def no_answer(data: ConeData, word: str, iterations: int = 0) -> ConeAnswer:
+    """The answer of a solver that gave up, with its word for it."""
+    nothing = np.full(len(data.offset), np.nan)
+    return ConeAnswer(Status.FAILED, np.full(len(data.cost), np.nan), nothing, nothing, iterations, word)
+
+
 class ConeSolver(Protocol):
-    """A conic solver: one file each."""
+    """A conic solver: one file each, named in ``lmic/solve/registry.py``."""
 
     name: str
 
     def __call__(self, data: ConeData, rough: bool = False) -> ConeAnswer:
-        """Solve; ``rough`` asks for a quick answer that only serves to find better coordinates."""
+        """Solve; ``rough`` asks for a quick answer that only serves to find better coordinates.
+
+        Raises SolverError where the solver cannot run at all: no licence, a problem beyond its limits.
+        """
         ...

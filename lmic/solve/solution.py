@@ -48,7 +48,8 @@ class Solution:
     ``violation`` is the most negative eigenvalue over all LMIs (0 if none is negative),
     ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that
     LMI. ``attained`` is false where the objective falls with every bound on the unknowns that was tried.
-    ``dual`` is svec of the dual matrices, row by row as in the problem.
+    ``dual`` is svec of the dual matrices, row by row as in the problem. ``handovers`` say which solvers
+    failed before this one had an answer, and why.
     """
 
     status: Status
@@ -65,6 +66,7 @@ class Solution:
     passes: tuple[Pass, ...]
     warnings: tuple[str, ...]
     attained: bool = True
+    handovers: tuple[str, ...] = ()
 
     @property
     def iterations(self) -> int:

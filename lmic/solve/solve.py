@@ -1,12 +1,16 @@
-"""Stage 6: solve a conic problem, whole or by exchange."""
+"""Stage 6: solve a conic problem, whole or by exchange, with one solver after another until one has an answer."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from lmic.assemble import ConicProblem
+from lmic.errors import SolverError
 from lmic.solve.attainment import with_attainment
-from lmic.solve.clarabel import Clarabel
-from lmic.solve.cone import ConeSolver
+from lmic.solve.cone import ConeProblem, ConeSolver, Status
 from lmic.solve.exchange import solve_by_exchange
+from lmic.solve.registry import solvers
 from lmic.solve.solution import Solution
 from lmic.solve.whole import PASSES, solve_whole
 
@@ -14,9 +18,35 @@ from lmic.solve.whole import PASSES, solve_whole
 EXCHANGE_FROM = 40
 
 
-def solve(problem: ConicProblem, solver: ConeSolver | None = None, passes: int = PASSES) -> Solution:
-    """Minimise, or find a point of largest margin where the theorem minimises nothing."""
-    solver = solver or Clarabel()
-    if len(problem.orders) >= EXCHANGE_FROM:
+def solve(
+    problem: ConeProblem, solver: ConeSolver | Sequence[ConeSolver] | None = None, passes: int = PASSES
+) -> Solution:
+    """Minimise, or find a point of largest margin where the theorem minimises nothing.
+
+    Of several solvers the next is asked where one fails, and ``Solution.handovers`` keeps the reasons.
+    That a problem is infeasible or unbounded is an answer, and so is a number that is not to be trusted.
+    Raises SolverError where none of the solvers could run.
+    """
+    several = solvers() if solver is None else tuple(solver) if isinstance(solver, Sequence) else (solver,)
+    reasons: list[str] = []
+    failed: Solution | None = None
+    for one in several:
+        try:
+            found = _solved(problem, one, passes)
+        except SolverError as error:
+            reasons.append(f"{one.name}: {error}")
+            continue
+        if found.status is not Status.FAILED:
+            return replace(found, handovers=tuple(reasons))
+        reasons.append(f"{one.name} ended with '{found.passes[-1].word}'")
+        failed = failed or found
+    if failed is None:
+        raise SolverError(f"no solver could run: {'; '.join(reasons)}")
+    return replace(failed, handovers=tuple(reasons) if len(several) > 1 else ())
+
+
+def _solved(problem: ConeProblem, solver: ConeSolver, passes: int) -> Solution:
+    """The answer of one solver; only a compiled problem has families to exchange within."""
+    if isinstance(problem, ConicProblem) and len(problem.orders) >= EXCHANGE_FROM:
         return solve_by_exchange(problem, solver, passes)
     return with_attainment(problem, solve_whole(problem, solver, passes), solver, passes)

@@ -10,11 +10,11 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic.assemble import ConicProblem
 from lmic.solve import scaling
-from lmic.solve.cone import ConeAnswer, ConeData, ConeSolver, Status
+from lmic.solve.cone import ConeAnswer, ConeData, ConeProblem, ConeSolver, Status
 from lmic.solve.lineality import lineality
 from lmic.solve.solution import ABSOLUTE, TRUSTED_UNCERTAINTY, Pass, Solution
+from lmic.solve.vanishing import lifted, vanishing
 
 Array: TypeAlias = NDArray[Any]
 
@@ -59,7 +59,7 @@ class _Candidate:
         return max(1e3 * self.step.violation, uncertainty) if np.isfinite(uncertainty) else np.inf
 
 
-def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
+def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
     """Minimise; where the theorem minimises nothing, find the point of largest margin."""
     if not problem.cost.any():
         return _feasibility(problem, solver, passes)
@@ -76,10 +76,11 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
         if feasible.value <= NO_MARGIN:
             found = _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
             return replace(found, dual=feasible.dual)
-        # there is a point after all: begin again in its coordinates
-        slack = data.matrix @ feasible.x + data.offset
-        best, more = passes_of(reduced, solver, passes, guide=slack)
-        steps += more
+        if np.isfinite(feasible.x).all():
+            # there is a point after all: begin again in its coordinates
+            slack = data.matrix @ feasible.x + data.offset
+            best, more = passes_of(reduced, solver, passes, guide=slack)
+            steps += more
     if best.answer.status is Status.UNBOUNDED and _is_ray(reduced, best.x):
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, steps)
     x = np.zeros(problem.size)
@@ -87,7 +88,7 @@ def solve_whole(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES)
     return judged(problem, best, x, steps, unseen, solver)
 
 
-def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
+def margin(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
     """The largest t ≤ 1 for which some x has F_k(x) ⪰ t·I for all k, and that x.
 
     Positive means strictly feasible. The sum of the traces is bounded, so that a condition
@@ -123,11 +124,11 @@ def margin(problem: ConicProblem, solver: ConeSolver, passes: int = PASSES) -> S
     return replace(found, value=float(x[-1]), bound=-best.step.bound, dual=best.dual[:-2])
 
 
-def _feasibility(problem: ConicProblem, solver: ConeSolver, passes: int) -> Solution:
+def _feasibility(problem: ConeProblem, solver: ConeSolver, passes: int) -> Solution:
     """A strictly feasible point; what was measured at it decides, not the solver's word."""
     found = margin(problem, solver, passes)
     packed = problem.matrix @ found.x + problem.offset
-    least, relative, place = _worst(packed, packed, problem.orders)
+    least, relative, place = _worst(packed, packed, problem.orders, vanishing(packed, found.x, problem, ROUNDING))
     measured = replace(
         found, violation=min(least, 0.0), relative_violation=min(relative, 0.0), worst=problem.label(place)
     )
@@ -139,7 +140,7 @@ def _feasibility(problem: ConicProblem, solver: ConeSolver, passes: int) -> Solu
     return replace(measured, status=Status.ALMOST, value=0.0, bound=0.0, price=0.0, warnings=(doubt,))
 
 
-def _strictly_feasible(problem: ConicProblem, x: Array) -> bool:
+def _strictly_feasible(problem: ConeProblem, x: Array) -> bool:
     """Whether every F_k(x) is positive definite by more than its own rounding.
 
     Where large unknowns cancel, a small positive eigenvalue may be rounding and nothing else.
@@ -201,7 +202,9 @@ def passes_of(
         nearest = candidate if np.isfinite(candidate.slack).all() else _best(found)
         if not np.isfinite(nearest.slack).all():
             break
-        scaled, transform = scaling.rescaled(data, nearest.slack)
+        scaled, transform = scaling.rescaled(
+            data, lifted(nearest.slack, vanishing(nearest.slack, nearest.x, data, ROUNDING), data.orders)
+        )
     return _best(found), tuple(one.step for one in found)
 
 
@@ -245,7 +248,7 @@ def _candidate(data: ConeData, scaled: ConeData, transform: scaling.Scaling, ans
     x = transform.x(answer.y)
     slack = scaling.unscaled_slack(answer.s, transform, data.orders)
     dual = scaling.unscaled_dual(answer.z, transform, data.orders)
-    relative = _worst(data.matrix @ x + data.offset, slack, data.orders)[1]
+    relative = _worst(data.matrix @ x + data.offset, slack, data.orders, vanishing(slack, x, data, ROUNDING))[1]
     # where the dual misses its equalities it bounds less: charge the miss, weighed with this y
     miss = float(np.abs(scaled.matrix.T @ answer.z - scaled.cost) @ np.abs(answer.y))
     bound = float(-data.offset @ dual) - miss
@@ -256,8 +259,8 @@ def _candidate(data: ConeData, scaled: ConeData, transform: scaling.Scaling, ans
     return _Candidate(step, answer, x, slack, dual)
 
 
-def _worst(packed: Array, slack: Array, orders: Array) -> tuple[float, float, int]:
-    """Least eigenvalue, least eigenvalue relative to the diagonal, and the LMI of the latter."""
+def _worst(packed: Array, slack: Array, orders: Array, floors: Array) -> tuple[float, float, int]:
+    """Least eigenvalue, least eigenvalue relative to the diagonal or its floor, and the LMI of the latter."""
     least, relative, place = np.inf, np.inf, 0
     matrices = scaling.slack_matrices(packed, orders)
     for k, (matrix, reference) in enumerate(zip(matrices, scaling.slack_matrices(slack, orders), strict=True)):
@@ -265,7 +268,7 @@ def _worst(packed: Array, slack: Array, orders: Array) -> tuple[float, float, in
             return -np.inf, -np.inf, k
         # the solver's slack may be far from the matrix that it stands for
         diagonal = np.minimum(np.diag(reference), np.abs(np.diag(matrix)))
-        diagonal = np.maximum(diagonal, 1e-14 * np.abs(diagonal).max() + np.finfo(float).tiny)
+        diagonal = np.maximum(diagonal, max(1e-14 * np.abs(diagonal).max(), floors[k]) + np.finfo(float).tiny)
         root = 1 / np.sqrt(diagonal)
         least = min(least, float(np.linalg.eigvalsh(matrix)[0]))
         scaled = float(np.linalg.eigvalsh(root[:, None] * matrix * root)[0])
@@ -275,11 +278,13 @@ def _worst(packed: Array, slack: Array, orders: Array) -> tuple[float, float, in
 
 
 def judged(
-    problem: ConicProblem, best: _Candidate, x: Array, steps: tuple[Pass, ...], unseen: int, solver: ConeSolver
+    problem: ConeProblem, best: _Candidate, x: Array, steps: tuple[Pass, ...], unseen: int, solver: ConeSolver
 ) -> Solution:
     """Measure the answer on the problem itself and say what is wrong with it."""
     rows = int(problem.starts[-1])
-    least, relative, place = _worst(problem.matrix @ x + problem.offset, best.slack[:rows], problem.orders)
+    slack = best.slack[:rows]
+    floors = vanishing(slack, x, problem, ROUNDING)
+    least, relative, place = _worst(problem.matrix @ x + problem.offset, slack, problem.orders, floors)
     found = Solution(
         status=best.answer.status,
         x=x,
@@ -320,7 +325,7 @@ def _warnings(found: Solution) -> tuple[str, ...]:
 
 
 def _without_answer(
-    problem: ConicProblem, status: Status, solver: ConeSolver, unseen: int, steps: tuple[Pass, ...]
+    problem: ConeProblem, status: Status, solver: ConeSolver, unseen: int, steps: tuple[Pass, ...]
 ) -> Solution:
     value = np.inf if status is Status.INFEASIBLE else -np.inf
     empty = np.full(problem.size, np.nan)

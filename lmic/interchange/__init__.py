@@ -1,0 +1,1 @@
+"""Semidefinite programs as files of other programs, and as their objects."""
