@@ -51,14 +51,14 @@ def main() -> None:
 @JSON
 def list_theorems(as_json: bool) -> None:
     """List the theorems of the library."""
-    from lmic import library, terminal
+    from lmic import terminal
+    from lmic.index import entries
 
-    found = {name: library.theorem(name) for name in library.names()}
     if as_json:
-        return echo_json([{"name": n, "title": t.title, "source": str(t.source)} for n, t in found.items()])
+        return echo_json([{"name": e.name, "title": e.title, "source": str(e.source)} for e in entries()])
     table = terminal.table("theorem", "title", "source")
-    for name, theorem in found.items():
-        table.add_row(name, theorem.title, theorem.source.short)
+    for entry in entries():
+        table.add_row(entry.name, entry.title, entry.source.short)
     terminal.console().print(table)
     return None
 
