@@ -27,11 +27,14 @@ if TYPE_CHECKING:
     from lmic.relax.relax import Relaxation as Relaxation
     from lmic.search import bisect as bisect
     from lmic.search import line_search as line_search
+    from lmic.sweeps.sweep import sweep as sweep
+    from lmic.sweeps.swept import Swept as Swept
 
 _HOME = {
     "Grid": "lmic.relax.grid",
     "Plant": "lmic.plants.plant",
     "Relaxation": "lmic.relax.relax",
+    "Swept": "lmic.sweeps.swept",
     "bisect": "lmic.search",
     "compile": "lmic.pipeline",
     "finish": "lmic.pipeline",
@@ -40,6 +43,7 @@ _HOME = {
     "read_certificate": "lmic.certify.certificate",
     "read_plant": "lmic.plants.files",
     "run": "lmic.pipeline",
+    "sweep": "lmic.sweeps.sweep",
     "theorem": "lmic.library",
     "verify": "lmic.certify.verify",
 }

@@ -13,6 +13,7 @@ import click
 from lmic import __version__
 from lmic.errors import LmicError
 from lmic.options import JSON, Choices, compiling, interval, numbers
+from lmic.sweeps.command import sweep
 
 PLANT = click.option(
     "--plant", type=click.Path(path_type=Path), required=True, help="Plant file: .toml, .json, .mat or .npz."
@@ -45,6 +46,9 @@ class Group(click.Group):
 )
 def main() -> None:
     """Compile, solve and check parameter-dependent linear matrix inequalities."""
+
+
+main.add_command(sweep)
 
 
 @main.command("list")

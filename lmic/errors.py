@@ -80,3 +80,7 @@ class LibraryError(LmicError):
 
 class CertificateError(LmicError):
     """A certificate is malformed, or states what cannot be proven."""
+
+
+class SweepError(LmicError):
+    """A sweep cannot be planned or resumed, or those who should compute it are gone."""
