@@ -57,9 +57,7 @@ def entries() -> list[Entry]:
     for name, path in files().items():
         for entry in read_entries(name, path):
             if entry.name in found:
-                raise LibraryError(
-                    f"two theorems of the library are called {entry.name}; rename the variant in {path}"
-                )
+                raise LibraryError(f"two theorems of the library are called {entry.name}; rename the variant in {path}")
             found[entry.name] = entry
     return list(found.values())
 

@@ -13,7 +13,7 @@ from lmic import index, library
 from lmic.errors import LibraryError
 from lmic.language.source import Source
 
-COMPUTED = '''from lmic.dsl import *
+COMPUTED = """from lmic.dsl import *
 
 n = dims("n")[0]
 P = Symmetric("P", n)
@@ -21,7 +21,7 @@ theorem = Theorem(
     {arguments}
     lmis={{"P": PD(P)}},
 )
-'''
+"""
 WRITTEN = 'title="Stability", source=Source("A", "T", "V", 1996, "Theorem 1"), variants={"robust": Variant("Robust")},'
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lmic.assemble import ConicProblem
 from lmic.solve import scaling
+from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData, ConeSolver
 from lmic.solve.lineality import lineality
 from lmic.solve.solution import Solution
@@ -22,15 +23,18 @@ from lmic.solve.whole import judged, passes_of, svec_diagonal
 Array: TypeAlias = NDArray[Any]
 
 #: passes before the neighbour is given up
-PASSES = 2
+PASSES = 4
+#: in coordinates as good as these Clarabel's own scaling and the refinement of its steps cost time for nothing
+COORDINATED = {"equilibrate_enable": False, "iterative_refinement_enable": False}
 #: share of diag S by which the neighbour's slack is moved into the cone: at its own optimum it is singular
 INWARDS = 0.1
 #: violation (a thousandfold) and relative uncertainty up to which the answer counts
 SETTLED = 1e-8
 
 
-def solve_near(problem: ConicProblem, slack: Array, solver: ConeSolver) -> Solution | None:
+def solve_near(problem: ConicProblem, slack: Array, solver: ConeSolver | None = None) -> Solution | None:
     """The solution, begun in the coordinates of ``slack`` (svec, all LMIs); None where that does not settle it."""
+    solver = solver or Clarabel(**COORDINATED)
     data = ConeData(problem.cost, problem.matrix, problem.offset, problem.orders)
     if slack.shape != data.offset.shape or not np.isfinite(slack).all() or not scaling.affordable(data):
         return None

@@ -28,9 +28,9 @@ def solve(
 
     ``near`` is the slack (svec, all LMIs) of a neighbouring problem's answer, whose coordinates may save passes.
     """
-    solver = solver or Clarabel()
     if len(problem.orders) >= EXCHANGE_FROM:
-        return solve_by_exchange(problem, solver, passes)
+        return solve_by_exchange(problem, solver or Clarabel(), passes)
     if near is not None and problem.cost.any() and (found := solve_near(problem, near, solver)):
         return found
+    solver = solver or Clarabel()
     return with_attainment(problem, solve_whole(problem, solver, passes), solver, passes)

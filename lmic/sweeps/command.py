@@ -74,13 +74,13 @@ def sweep(
     chosen = Choices(**choices)
     read = [read_plant(plant) for plant in plants]
     axes = _axes(over)
-    count = 0
+    reached = (0, 0)
     try:
         with terminal.counter(name, quiet=as_json) as counted:
 
             def advance(points: int, total: int) -> None:
-                nonlocal count
-                count += points
+                nonlocal reached
+                reached = (reached[0] + points, total)
                 counted(points, total)
 
             swept = run(
@@ -98,7 +98,10 @@ def sweep(
                 advance,
             )
     except KeyboardInterrupt:
-        click.echo(f"interrupted; {count} points are in {output}, and the same command does the others", err=True)
+        done, total = reached
+        click.echo(
+            f"interrupted; {done} of {total} points are in {output}, and the same command does the others", err=True
+        )
         sys.exit(130)
     if table:
         swept.write_table(table)

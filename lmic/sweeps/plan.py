@@ -67,14 +67,18 @@ class Plan:
     def __post_init__(self) -> None:
         place = Place(self.theorem.name)
         if len(self) > MAX_POINTS:
-            raise SweepError(f"{len(self)} points are more than a sweep may have ({MAX_POINTS}); coarsen an axis", place)
+            raise SweepError(
+                f"{len(self)} points are more than a sweep may have ({MAX_POINTS}); coarsen an axis", place
+            )
         for axis in self.axes:
             fixed = {Kind.SCALAR: self.given, Kind.DEPENDENCE: self.dependence}.get(axis.kind, {})
             if axis.name and axis.name in fixed:
                 raise SweepError(f"{axis.name} is both fixed and swept over; remove one", place)
             if axis.kind is Kind.DEPENDENCE and axis.name not in self.theorem.unknowns:
                 known = ", ".join(self.theorem.unknowns)
-                raise SweepError(f"{axis.name} is no unknown of the theorem, which has {known}; correct the name", place)
+                raise SweepError(
+                    f"{axis.name} is no unknown of the theorem, which has {known}; correct the name", place
+                )
             if self.search and axis.column == self.search[0]:
                 raise SweepError(f"{axis.name} is both searched and swept over; remove one", place)
         # a scalar without a value, or a misspelt one, would fail at every point
@@ -121,9 +125,7 @@ class Plan:
                     ]
                     left = [k for k, key in enumerate(keys) if key not in done]
                     if left:
-                        yield replace(
-                            shared, scalars=tuple(values[k] for k in left), keys=tuple(keys[k] for k in left)
-                        )
+                        yield replace(shared, scalars=tuple(values[k] for k in left), keys=tuple(keys[k] for k in left))
 
     def _line(self, axes: Sequence[Axis], values: Sequence[Any]) -> Line:
         """What the points of a line share."""
@@ -142,9 +144,7 @@ class Plan:
                     degrees = relaxation.polya if isinstance(relaxation.polya, Mapping) else {}
                     relaxation = replace(relaxation, polya={**degrees, axis.name: value})
         compiled = [self.fingerprint, plant.name, sorted((name, str(choice)) for name, choice in dependence.items())]
-        return Line(
-            self.theorem, plant, dependence, self.sizes, relaxation, self.search, _digest(compiled), (), ()
-        )
+        return Line(self.theorem, plant, dependence, self.sizes, relaxation, self.search, _digest(compiled), (), ())
 
     # What identifies the problem -----------------------------------------------------------------
 

@@ -11,14 +11,15 @@ from lmic.errors import SweepError
 from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant, exact_number
 from lmic.relax.relax import Relaxation
-from lmic.sweeps.axes import axes_of
+from lmic.sweeps.axes import Kind, axes_of
 from lmic.sweeps.plan import Line, Plan
 from lmic.sweeps.store import Store
 from lmic.sweeps.swept import Swept
+from lmic.sweeps.work import prepared
 from lmic.sweeps.workers import Workers, workers
 
 #: neighbours in one piece of work: the first is solved from nothing, the others near the last
-LENGTH = 32
+LENGTH = 64
 #: pieces for each worker at the least, so that none waits long for the last
 SHARES = 4
 
@@ -80,11 +81,18 @@ def run_plan(
         if advance:
             advance(len(plan) - left, len(plan))
         if left:
+            _check(plan)
             with workers(jobs if left > 1 else 1, scheduler) as crew:
                 lines = list(plan.lines(_length(plan, jobs), store.records))
                 while lines:
                     lines = _round(crew, lines, store, advance)
         return Swept(plan, {key: store.records[key] for key in plan.keys()})
+
+
+def _check(plan: Plan) -> None:
+    """What would fail at every point is an error of the sweep: a theorem and plant that do not fit."""
+    if not any(axis.kind in (Kind.PLANT, Kind.DEPENDENCE) for axis in plan.axes):
+        prepared(next(plan.lines(1, {})))
 
 
 def _round(crew: Workers, lines: list[Line], store: Store, advance: Callable[[int, int], None] | None) -> list[Line]:

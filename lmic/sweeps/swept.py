@@ -86,15 +86,19 @@ class Swept:
         )
 
     def least(self, name: str, over: str) -> tuple[Array, Array]:
-        """The least of a column along one axis, and where on it: two arrays over the other axes; NaN where none is."""
+        """The least of a column along one axis, and where on it: two arrays over the other axes; NaN where none is.
+
+        Values are compared at the upper end of their doubt, so that a doubtful one does not win by being wrong.
+        """
         values = self.values(name)
         place = self.axis(over)
         position = np.asarray(self.plan.axes[place].shown, dtype=float)
-        filled = np.where(np.isnan(values), np.inf, values)
-        least = filled.min(axis=place)
-        where = position[filled.argmin(axis=place)]
-        missing = np.isinf(least)
-        return np.where(missing, np.nan, least), np.where(missing, np.nan, where)
+        upper = values + self.values("uncertainty") * np.abs(values)
+        upper = np.where(np.isnan(upper), np.inf, upper)
+        chosen = np.expand_dims(upper.argmin(axis=place), place)
+        missing = np.isinf(upper.min(axis=place))
+        least = np.take_along_axis(values, chosen, place).squeeze(place)
+        return np.where(missing, np.nan, least), np.where(missing, np.nan, position[chosen.squeeze(place)])
 
     def axis(self, column: str) -> int:
         """Which axis has a column."""

@@ -15,7 +15,7 @@ from lmic.search import search_scalar
 from lmic.sweeps.plan import Key, Line
 
 #: seconds after which a line is handed back, so that what is done is kept and the rest is shared out again
-PATIENCE = 3.0
+PATIENCE = 6.0
 
 #: what this process compiled last, by the digest of its line
 _bindings: dict[str, Binding] = {}
@@ -50,7 +50,7 @@ def solve_line(line: Line, patience: float = PATIENCE) -> Done:
 def _solve(line: Line, scalars: Mapping[str, Any], near: Result | None) -> tuple[Mapping[str, Any], Result | None]:
     start = perf_counter()
     try:
-        binding = _prepared(line)
+        binding = prepared(line)
         extra: dict[str, Any] = {}
         if line.search:
             name, low, high = line.search
@@ -80,7 +80,7 @@ def result_record(result: Result) -> dict[str, Any]:
     }
 
 
-def _prepared(line: Line) -> Binding:
+def prepared(line: Line) -> Binding:
     """The line's theorem bound to its plant, once in each process for all lines that share them."""
     if line.digest not in _bindings:
         binding = prepare(line.theorem, line.plant, line.dependence, line.sizes)
