@@ -66,11 +66,11 @@ def read_entries(name: str, path: Path) -> list[Entry]:
     """The theorem of a file, then its variants."""
     try:
         return list(_written(name, ast.parse(path.read_text(encoding="utf-8"))))
-    except (_Computed, SyntaxError):
+    except (_ComputedError, SyntaxError):
         return _loaded(name, path)
 
 
-class _Computed(Exception):
+class _ComputedError(Exception):
     """What is looked for is not written down in the file as a literal."""
 
 
@@ -78,15 +78,15 @@ def _written(name: str, module: ast.Module) -> Iterator[Entry]:
     statement = _call(_assigned(module, "theorem"), "Theorem")
     keywords = {keyword.arg: keyword.value for keyword in statement.keywords}
     if statement.args or None in keywords or "source" not in keywords:
-        raise _Computed
+        raise _ComputedError
     try:
         source = Source(**_literals(_call(keywords["source"], "Source"), tuple(Source.__dataclass_fields__)))
     except TypeError as error:  # an argument is missing: loading the file says which
-        raise _Computed from error
+        raise _ComputedError from error
     yield Entry(name, _literal(keywords["title"]) if "title" in keywords else "", source)
     variants = keywords.get("variants", ast.Dict([], []))
     if not isinstance(variants, ast.Dict):
-        raise _Computed
+        raise _ComputedError
     for key, value in zip(variants.keys, variants.values, strict=True):
         said = {"title": ""} | _literals(_call(value, "Variant"), ("title", "statement"))
         statement_name = said.get("statement") or source.statement
@@ -101,13 +101,13 @@ def _assigned(module: ast.Module, name: str) -> ast.expr:
         if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == name for t in node.targets)
     ]
     if len(values) != 1:
-        raise _Computed
+        raise _ComputedError
     return values[0]
 
 
 def _call(node: ast.expr | None, function: str) -> ast.Call:
     if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name) or node.func.id != function:
-        raise _Computed
+        raise _ComputedError
     return node
 
 
@@ -117,7 +117,7 @@ def _literals(call: ast.Call, names: tuple[str, ...]) -> dict[str, Any]:
         keyword.arg: keyword.value for keyword in call.keywords if keyword.arg in names
     }
     if any(isinstance(argument, ast.Starred) for argument in call.args) or None in {k.arg for k in call.keywords}:
-        raise _Computed
+        raise _ComputedError
     return {name: _literal(value) for name, value in given.items()}
 
 
@@ -125,7 +125,7 @@ def _literal(node: ast.expr | None) -> Any:
     try:
         return ast.literal_eval(node) if node is not None else None
     except ValueError as error:
-        raise _Computed from error
+        raise _ComputedError from error
 
 
 def _loaded(name: str, path: Path) -> list[Entry]:

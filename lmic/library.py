@@ -18,7 +18,7 @@ from types import ModuleType
 
 from lmic.errors import DefinitionError, LibraryError, LmicError
 from lmic.index import entries, files, group
-from lmic.index import root as root
+from lmic.index import root as root  # noqa: PLC0414
 from lmic.language.theorem import Theorem
 
 

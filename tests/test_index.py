@@ -76,8 +76,8 @@ def test_two_theorems_of_one_name_are_refused(file: Path, monkeypatch: pytest.Mo
 def test_what_needs_no_mathematics_imports_none(words: list[str]) -> None:
     code = (
         "import sys\nfrom lmic.cli import main\ntry:\n    main(sys.argv[1:])\nexcept SystemExit as end:\n"
-        "    assert not end.code\nfinally:\n    heavy = {'sympy', 'numpy', 'scipy', 'matplotlib', 'clarabel', 'joblib', "
-        "'distributed', 'pyarrow'}\n    print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
+        "    assert not end.code\nfinally:\n    heavy = {'sympy', 'numpy', 'scipy', 'matplotlib', 'clarabel', "
+        "'joblib', 'distributed', 'pyarrow'}\n    print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
     assert done.stdout

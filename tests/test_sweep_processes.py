@@ -114,15 +114,15 @@ def test_an_interrupted_sweep_says_how_to_resume(tmp_path: Path) -> None:
 
 def test_a_lost_worker_is_said_and_what_was_done_is_kept(tmp_path: Path) -> None:
     """As when the system runs out of memory: the sweep ends in one sentence, and resumes."""
-    from joblib.externals.loky import get_reusable_executor
+    from joblib.externals.loky import reusable_executor
 
     file = tmp_path / "s.jsonl"
     theorem, plant = lmic.theorem(FILTER), read_plant(EXAMPLE_2)
 
     def kill(more: int, total: int) -> None:
         if more and lines(file) > 1:
-            for process in list(get_reusable_executor()._processes.values()):
-                process.kill()
+            for process in list(reusable_executor._executor._processes.values()):
+                os.kill(process.pid, signal.SIGKILL)
 
     with pytest.raises(SweepError, match="a worker process ended by itself"):
         sweep(theorem, plant, {"rho": RHO, "eps": EPS}, file=file, jobs=2, advance=kill)
@@ -203,7 +203,7 @@ def test_a_scheduler_without_workers_is_said(scheduler: str, monkeypatch: pytest
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x", "not an address"])
 def test_a_missing_scheduler_is_said(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lmic.sweeps.workers.TIMEOUT", 2)
-    with pytest.raises(SweepError, match="no scheduler answers at .*dask scheduler"):
+    with pytest.raises(SweepError, match=r"no scheduler answers at .*dask scheduler"):
         sweep(lmic.theorem(FILTER), read_plant(EXAMPLE_2), {"rho": "1,2", "eps": "2"}, scheduler=address)
 
 

@@ -173,7 +173,7 @@ def test_lines_hold_every_point_once(plant: Plant, length: int) -> None:
     """Whatever the axes' order; points of one line differ in the last scalar only, and what is done is left out."""
     over = {"c": "1,2,3", "polya": "0,1", "a": "0:0.4:5", "dependence:P": "constant,1"}
     plan = Plan(lmic.theorem(LEMMA), (plant,), axes_of(over, (plant,)))
-    done = dict.fromkeys(list(plan.keys())[::4])
+    done = dict.fromkeys(list(plan.points())[::4])
     found = []
     for line in plan.lines(length, done):
         assert 1 <= len(line.keys) <= length
@@ -183,7 +183,7 @@ def test_lines_hold_every_point_once(plant: Plant, length: int) -> None:
             assert (str(line.relaxation.polya), str(line.dependence["P"])) == (key[1], key[3])
         found += line.keys
     assert len(found) == len(set(found))
-    assert set(found) | set(done) == set(plan.keys())
+    assert set(found) | set(done) == set(plan.points())
     assert not set(found) & set(done)
 
 
@@ -349,11 +349,8 @@ def test_a_torn_last_line_is_cut_off_and_its_point_done_again(plant: Plant, tmp_
     content = path.read_bytes()
     for cut in (1, 40, len(content.splitlines()[-1])):
         path.write_bytes(content[:-cut])
-        done: list[int] = []
-        again = lmic.sweep(
-            lmic.theorem(LEMMA), plant, {"a": "0.1,0.2,0.3"}, file=path, jobs=1, advance=lambda n, _: done.append(n)
-        )
-        assert done == [2, 1]
+        again = lmic.sweep(lmic.theorem(LEMMA), plant, {"a": "0.1,0.2,0.3"}, file=path, jobs=1)
+        assert path.read_bytes().startswith(content[: content.rstrip(b"\n").rfind(b"\n") + 1])
         assert [record["at"]["a"] for record in records(path)] == ["0.1", "0.2", "0.3"]
         assert again.values("gamma") == pytest.approx(first.values("gamma"), rel=1e-8)
 
@@ -506,7 +503,7 @@ def test_a_doubtful_value_is_not_the_least(swept: Swept) -> None:
 
 
 def test_curves_of_case_tables(tmp_path: Path) -> None:
-    """Figures 3 and 4 as the case table states them, at two values of ρ: both pictures, both tables, and γ at its best."""
+    """Figures 3 and 4 as the case table states them, at two values of ρ: pictures, tables, and γ at its best."""
     (curve,) = [curve for table in case_tables() for curve in table.curves]
     assert make_axis("rho", curve.over["rho"]).shown == tuple(range(1, 22))
     assert curve.search == ("eps", 0.1, 6.0)

@@ -142,7 +142,8 @@ def select(names: tuple[str, ...]) -> list[CaseTable]:
     tables = case_tables()
     if not names:
         return tables
-    known = [one.id for table in tables for one in (*table.cases, *table.curves)]
+    known = [case.id for table in tables for case in table.cases]
+    known += [curve.id for table in tables for curve in table.curves]
     for name in names:
         if not any(_matches(case, name) for case in known):
             raise LibraryError(f"no case is called '{name}'; the cases are {', '.join(known)}")

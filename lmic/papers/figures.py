@@ -1,4 +1,4 @@
-"""Draw the papers' figures: signals over time as steps, over the plane as surfaces, responses as maps, sweeps as curves."""
+"""Draw the papers' figures: signals over time or the plane, responses as maps, sweeps as curves."""
 
 from __future__ import annotations
 

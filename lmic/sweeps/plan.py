@@ -100,7 +100,7 @@ class Plan:
         """The axes' columns."""
         return tuple(axis.column for axis in self.axes)
 
-    def keys(self) -> Iterator[Key]:
+    def points(self) -> Iterator[Key]:
         """The keys of all points, the last axis fastest."""
         return product(*(axis.labels for axis in self.axes))
 

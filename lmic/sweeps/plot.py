@@ -81,7 +81,7 @@ def _map(figure: Any, panel: Any, across: Axis, along: Axis, values: Array, name
     x, y = np.asarray(across.shown, dtype=float), np.asarray(along.shown, dtype=float)
     by_x, by_y = np.argsort(x), np.argsort(y)
     shown = np.ma.masked_invalid(values[np.ix_(by_y, by_x)])
-    steep = shown.count() and shown.min() > 0 and shown.max() > STEEP * np.ma.median(shown)
+    steep = shown.count() and shown.min() > 0 and shown.max() > STEEP * float(np.median(shown.compressed()))
     norm = LogNorm(shown.min(), shown.max()) if steep else None
     image = panel.pcolormesh(x[by_x], y[by_y], shown, cmap="viridis", shading="nearest", norm=norm)
     if _logarithmic(x[by_x]):

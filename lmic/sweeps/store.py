@@ -78,7 +78,8 @@ class Store:
             differs = [key for key, value in said.items() if value != self.plan.header[key]]
             what = ", ".join(f"{key} {said[key]}" for key in differs) or "other data or choices under the same names"
             raise SweepError(f"{self.path} holds a sweep of another problem ({what}); choose another file")
-        columns, found = self.plan.columns, {}
+        columns = self.plan.columns
+        found: dict[Key, Mapping[str, Any]] = {}
         for number, line in enumerate(lines[1:], 2):
             record = _object(line)
             at = record.pop("at", None) if record else None

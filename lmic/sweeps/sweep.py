@@ -45,7 +45,8 @@ def sweep(
     ``given`` to ``sizes`` are the choices of :func:`lmic.compile` that stay. ``search`` names a scalar and an interval
     in which its best value is sought at every point. Results are kept in ``file``, from which the same sweep resumes;
     the work is done by ``jobs`` processes (all cores without) or by the Dask cluster of ``scheduler``. ``advance`` is
-    called with the number of points that have come in and the number of all. A point that fails is recorded with its reason.
+    called with the number of points that have come in and the number of all. A point that fails is recorded with
+    its reason.
 
     Raises SweepError for a sweep that cannot be done, PlantError for a scalar that is missing or unknown.
     """
@@ -77,7 +78,7 @@ def run_plan(
 ) -> Swept:
     """Do what the file of a plan does not hold yet."""
     with Store(plan, file) as store:
-        left = sum(key not in store.records for key in plan.keys())
+        left = sum(key not in store.records for key in plan.points())
         if advance:
             advance(len(plan) - left, len(plan))
         if left:
@@ -86,7 +87,7 @@ def run_plan(
                 lines = list(plan.lines(_length(plan, jobs), store.records))
                 while lines:
                     lines = _round(crew, lines, store, advance)
-        return Swept(plan, {key: store.records[key] for key in plan.keys()})
+        return Swept(plan, {key: store.records[key] for key in plan.points()})
 
 
 def _check(plan: Plan) -> None:

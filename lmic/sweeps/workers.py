@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
+import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, TypeAlias
@@ -19,6 +22,9 @@ Workers: TypeAlias = Callable[[Iterable[Line]], Iterator[Done]]
 #: seconds to wait for a scheduler, and for its first worker
 TIMEOUT = 30
 
+#: name of the thread in which a process watches the one that it works for
+WATCH = "lmic-watch"
+
 
 def here(lines: Iterable[Line]) -> Iterator[Done]:
     """One after another in this process."""
@@ -32,7 +38,7 @@ def cores(jobs: int) -> Iterator[Workers]:
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     def solve(lines: Iterable[Line]) -> Iterator[Done]:
-        work = (delayed(_undisturbed)(line) for line in lines)
+        work = (delayed(_served)(line, os.getpid()) for line in lines)
         try:
             yield from Parallel(return_as="generator_unordered", batch_size=1)(work)
         except BrokenProcessPool as error:
@@ -40,15 +46,24 @@ def cores(jobs: int) -> Iterator[Workers]:
                 "a worker process ended by itself (out of memory?); resume with the same command, or with fewer --jobs"
             ) from error
 
-    with parallel_config("loky", n_jobs=jobs, inner_max_num_threads=1):
+    with parallel_config("loky", n_jobs=jobs, inner_max_num_threads=1), warnings.catch_warnings():
+        # Ctrl-C cancels what is under way, on purpose
+        warnings.filterwarnings("ignore", message=".*tasks which were still being processed", category=UserWarning)
         yield solve
 
 
-def _undisturbed(line: Line) -> Done:
-    """Ctrl-C reaches every process of the terminal; only the first one should answer."""
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _served(line: Line, master: int) -> Done:
+    """The work of a process that belongs to another: it leaves Ctrl-C to that one, and ends when that one is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if not any(thread.name == WATCH for thread in threading.enumerate()):
+        threading.Thread(target=_watch, args=(master,), name=WATCH, daemon=True).start()
     return solve_line(line)
+
+
+def _watch(master: int) -> None:
+    while os.getppid() == master:
+        time.sleep(1)
+    os._exit(1)
 
 
 @contextmanager
