@@ -74,7 +74,7 @@ def cluster(address: str) -> Iterator[Workers]:
     except ImportError as error:
         raise SweepError("a cluster needs Dask: pip install 'lmic[cluster]', here and on every worker") from error
     try:
-        client = Client(address, timeout=TIMEOUT, set_as_default=False)
+        client = Client(address, timeout=TIMEOUT)
     except (OSError, ValueError) as error:
         raise SweepError(
             f"no scheduler answers at {address}; start one with 'dask scheduler' and give its address"
