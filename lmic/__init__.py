@@ -32,11 +32,14 @@ if TYPE_CHECKING:
     from lmic.search import bisect as bisect
     from lmic.search import line_search as line_search
     from lmic.solve.registry import solvers as solvers
+    from lmic.sweeps.sweep import sweep as sweep
+    from lmic.sweeps.swept import Swept as Swept
 
 _HOME = {
     "Grid": "lmic.relax.grid",
     "Plant": "lmic.plants.plant",
     "Relaxation": "lmic.relax.relax",
+    "Swept": "lmic.sweeps.swept",
     "bisect": "lmic.search",
     "compile": "lmic.pipeline",
     "cvxpy_problem": "lmic.interchange.models",
@@ -49,6 +52,7 @@ _HOME = {
     "read_problem": "lmic.interchange.formats",
     "run": "lmic.pipeline",
     "solvers": "lmic.solve.registry",
+    "sweep": "lmic.sweeps.sweep",
     "theorem": "lmic.library",
     "verify": "lmic.certify.verify",
     "write_problem": "lmic.interchange.formats",

@@ -14,6 +14,7 @@ from lmic import __version__
 from lmic.echo import echo_json
 from lmic.errors import LmicError
 from lmic.options import JSON, Choices, compiling, needed, numbers, refuse_with_file
+from lmic.sweeps.command import sweep
 
 PLANT_HELP = "Plant file: .toml, .json, .mat or .npz."
 PLANT = click.option("--plant", type=click.Path(path_type=Path), required=True, help=PLANT_HELP)
@@ -55,18 +56,21 @@ def main() -> None:
     """Compile, solve and check parameter-dependent linear matrix inequalities."""
 
 
+main.add_command(sweep)
+
+
 @main.command("list")
 @JSON
 def list_theorems(as_json: bool) -> None:
     """List the theorems of the library."""
-    from lmic import library, terminal
+    from lmic import terminal
+    from lmic.index import entries
 
-    found = {name: library.theorem(name) for name in library.names()}
     if as_json:
-        return echo_json([{"name": n, "title": t.title, "source": str(t.source)} for n, t in found.items()])
+        return echo_json([{"name": e.name, "title": e.title, "source": str(e.source)} for e in entries()])
     table = terminal.table("theorem", "title", "source")
-    for name, theorem in found.items():
-        table.add_row(name, theorem.title, theorem.source.short)
+    for entry in entries():
+        table.add_row(entry.name, entry.title, entry.source.short)
     terminal.console().print(table)
     return None
 
@@ -291,8 +295,8 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
     from lmic import reporting, terminal
     from lmic.pages.report import Reproduction, write_report
     from lmic.papers.cases import select
-    from lmic.papers.figures import draw, draw_responses
-    from lmic.papers.reproduce import Verdict, run_simulation
+    from lmic.papers.figures import draw, draw_curve, draw_responses
+    from lmic.papers.reproduce import Verdict, run_curve, run_simulation
     from lmic.papers.reproduce import reproduce as run_table
 
     tables = select(names)
@@ -306,12 +310,16 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
     trusted = True
     for table in tables:
         outcomes = {}
-        with terminal.progress(len(table.cases), table.paper, quiet=as_json) as advance:
+        swept = {}
+        with terminal.progress(len(table.cases) + len(table.curves), table.paper, quiet=as_json) as advance:
             for outcome in run_table(table, fresh=fresh or certify is not None):
                 outcomes[outcome.case.id] = outcome
                 if certify and outcome.enclosure and outcome.certificate:
                     outcome.certificate.write(certify / f"{outcome.case.id}.json")
                 advance(outcome.case.what)
+            for curve in table.curves:
+                swept[curve.id] = (curve, run_curve(curve))
+                advance(curve.title)
         simulated = [run_simulation(simulation, outcomes) for simulation in table.simulations]
         figures = [
             path
@@ -319,9 +327,11 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
             for path in draw(simulation, trajectories, outcomes, output)
         ]
         figures += draw_responses(table, outcomes, output)
+        figures += [path for curve, found in swept.values() for path in draw_curve(curve, found, output)]
         gains = reporting.achieved_gains(table, simulated, outcomes)
         records += [outcome.record() | {"achieved": gains.get(case)} for case, outcome in outcomes.items()]
         trusted &= all(outcome.verdict is not Verdict.UNTRUSTED for outcome in outcomes.values())
+        trusted &= not any(one.failed or one.doubtful for _, found in swept.values() for one in found.values())
         papers.append(Reproduction(table, outcomes, gains, figures))
         if not as_json:
             reporting.print_reproduction(table, outcomes, gains, figures)

@@ -22,6 +22,7 @@ from lmic.language.declarations import (
     zeros,
 )
 from lmic.language.parameters import Box, Parameter, Simplex
+from lmic.language.source import Source
 from lmic.language.systems import (
     Bound,
     ContinuousSystem,
@@ -32,7 +33,7 @@ from lmic.language.systems import (
     Hurwitz,
     Schur,
 )
-from lmic.language.theorem import ND, PD, Bisection, Source, Theorem, Variant
+from lmic.language.theorem import ND, PD, Bisection, Theorem, Variant
 
 __all__ = [
     "ND",

@@ -88,3 +88,7 @@ class FormatError(LmicError):
 
 class SolverError(LmicError):
     """A solver is not installed, has no licence, or broke down without an answer."""
+
+
+class SweepError(LmicError):
+    """A sweep cannot be planned or resumed, or those who should compute it are gone."""

@@ -17,38 +17,14 @@ from pathlib import Path
 from types import ModuleType
 
 from lmic.errors import DefinitionError, LibraryError, LmicError
+from lmic.index import entries, files, group
+from lmic.index import root as root  # noqa: PLC0414
 from lmic.language.theorem import Theorem
-
-
-@cache
-def root() -> Path:
-    """Folder of the library: inside the installed package, or beside it in a checkout."""
-    package = Path(__file__).parent
-    for folder in (package / "theorems", package.parent / "theorems"):
-        if folder.is_dir():
-            return folder
-    raise LibraryError(f"the theorem library is missing beside {package}; install lmic again")
-
-
-@cache
-def files() -> dict[str, Path]:
-    """Every theorem file of the library by its name."""
-    return {
-        ".".join(path.relative_to(root()).with_suffix("").parts): path
-        for path in sorted(root().rglob("*.py"))
-        if not path.name.startswith("_")
-    }
 
 
 def names() -> list[str]:
     """Names of all theorems and variants, in order."""
-    found: list[str] = []
-    for name, path in files().items():
-        for one in (name, *(f"{_group(name)}{variant}" for variant in load_file(path).variants)):
-            if one in found:
-                raise LibraryError(f"two theorems of the library are called {one}; rename the variant in {path}")
-            found.append(one)
-    return found
+    return [entry.name for entry in entries()]
 
 
 def theorem(name: str | Path) -> Theorem:
@@ -60,8 +36,8 @@ def theorem(name: str | Path) -> Theorem:
     if text in files():
         return replace(load_file(files()[text]), name=text)
     for file_name, path in files().items():
-        variant = text.removeprefix(_group(file_name))
-        if text.startswith(_group(file_name)) and variant in load_file(path).variants:
+        variant = text.removeprefix(group(file_name))
+        if text.startswith(group(file_name)) and variant in load_file(path).variants:
             return load_file(path).variant(variant, name=text)
     near = get_close_matches(text, files(), n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "'lmic list' shows all names"
@@ -77,11 +53,6 @@ def _with_name(loaded: Theorem, name: str, variant: str) -> Theorem:
         has = ", ".join(loaded.variants) or "none"
         raise LibraryError(f"{name} has no variant '{variant}'; it has {has}")
     return loaded.variant(variant, name=f"{name}:{variant}")
-
-
-def _group(name: str) -> str:
-    """``peixoto2025.`` of ``peixoto2025.theorem1``."""
-    return name.rpartition(".")[0] + "." if "." in name else ""
 
 
 def load_file(path: Path) -> Theorem:

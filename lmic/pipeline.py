@@ -57,6 +57,11 @@ class Result:
         """The theorem that was solved."""
         return self.problem.binding.theorem
 
+    @property
+    def slack(self) -> Any:
+        """svec of all LMIs at the solution."""
+        return self.problem.matrix @ self.solution.x + self.problem.offset
+
 
 def prepare(
     theorem: Theorem,
@@ -93,11 +98,16 @@ def compile(
     return finish(prepare(theorem, plant, dependence, sizes), given, relaxation)
 
 
-def run(problem: ConicProblem, solver: ConeSolver | Sequence[ConeSolver] | None = None) -> Result:
-    """Stages 6 and 8: solve, with one solver after another until one has an answer, and recover."""
+def run(
+    problem: ConicProblem, solver: ConeSolver | Sequence[ConeSolver] | None = None, near: Result | None = None
+) -> Result:
+    """Stages 6 and 8: solve, with one solver after another until one has an answer, and recover.
+
+    ``near`` is a result at neighbouring data: its coordinates may save work, and change no digit that is known.
+    """
     start = perf_counter()
     check_assumptions(problem.binding)
-    solution = solve(problem, solver)
+    solution = solve(problem, solver, near=near.slack if near and near.solution.trusted else None)
     design = recover(problem, solution.x)
     return Result(problem, solution, design, reports(design) if solution.status.usable else {}, perf_counter() - start)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +14,10 @@ from lmic.errors import LmicError, Place
 from lmic.pipeline import Result, finish, run
 from lmic.relax.relax import Relaxation
 from lmic.solve.cone import ConeSolver, Status
+from lmic.solve.solution import ABSOLUTE
 
-GOLDEN = (np.sqrt(5.0) - 1) / 2
+#: objectives that differ by less, relatively, are the same
+FLAT = 1e-8
 
 
 @dataclass(frozen=True)
@@ -102,16 +105,25 @@ def line_search(
 ) -> Found:
     """Value of a given scalar with the least objective in [low, high].
 
-    The best of ``samples`` equally spaced values brackets a golden-section search, which finds
-    the minimum to ``tolerance`` (of the interval) where the objective has one minimum there.
+    The best of ``samples`` equally spaced values brackets a search by golden sections and parabolas (Brent), which
+    finds the minimum to ``tolerance`` (of the interval) where the objective has one minimum there. It ends as soon as
+    the three least values agree to the digits that a solution has, as on a plateau.
     """
+    from scipy.optimize import minimize_scalar
+
     results: dict[float, Result] = {}
 
     def objective(value: float) -> float:
         if value not in results:
-            results[value] = run(finish(binding, {**(given or {}), scalar: value}, relaxation), solver)
-        solution = results[value].solution
-        return solution.value if solution.status.usable else np.inf
+            near = min(results, key=lambda known: abs(known - value)) if len(results) >= samples else None
+            problem = finish(binding, {**(given or {}), scalar: value}, relaxation)
+            results[value] = run(problem, solver, None if near is None else results[near])
+        return _value(results[value])
+
+    def refined(value: float) -> float:
+        if _flat(results):
+            raise _FlatError
+        return objective(value)
 
     points = np.linspace(low, high, samples)
     values = [objective(float(point)) for point in points]
@@ -122,14 +134,26 @@ def line_search(
         )
     best = int(np.argmin(values))
     left, right = float(points[max(best - 1, 0)]), float(points[min(best + 1, samples - 1)])
-    while right - left > tolerance * (high - low):
-        inner, outer = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
-        if objective(inner) <= objective(outer):
-            right = outer
-        else:
-            left = inner
+    with suppress(_FlatError):
+        minimize_scalar(refined, bounds=(left, right), method="bounded", options={"xatol": tolerance * (high - low)})
     value = min(results, key=objective)
-    return Found(scalar, value, right - left, results[value], len(results))
+    below = max((known for known in results if known < value), default=value)
+    above = min((known for known in results if known > value), default=value)
+    return Found(scalar, value, above - below, results[value], len(results))
+
+
+class _FlatError(Exception):
+    """Ends a line search that has nothing left to find."""
+
+
+def _flat(results: Mapping[float, Result]) -> bool:
+    """Whether the three least values are the same in the digits that are known of them."""
+    values = sorted(map(_value, results.values()))
+    return len(values) > 2 and values[2] - values[0] <= FLAT * max(abs(values[0]), ABSOLUTE)
+
+
+def _value(result: Result) -> float:
+    return result.solution.value if result.solution.status.usable else np.inf
 
 
 def _feasible(result: Result) -> bool:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -23,17 +24,22 @@ def packed_index(rows: Array, cols: Array) -> Array:
     return cols * (cols + 1) // 2 + rows
 
 
+@cache
 def triangle(order: int) -> tuple[Array, Array]:
-    """Rows and columns of the packed entries, in their order."""
+    """Rows and columns of the packed entries, in their order; the arrays are shared and read-only."""
     cols = np.repeat(np.arange(order), np.arange(1, order + 1))
     rows = np.arange(length(order)) - packed_index(np.zeros_like(cols), cols)
+    rows.flags.writeable = cols.flags.writeable = False
     return rows, cols
 
 
+@cache
 def weights(order: int) -> Array:
-    """1 on the diagonal and √2 off it: packed entries times weights is svec."""
+    """1 on the diagonal and √2 off it: packed entries times weights is svec; shared and read-only."""
     rows, cols = triangle(order)
-    return np.where(rows == cols, 1.0, np.sqrt(2.0))
+    found = np.where(rows == cols, 1.0, np.sqrt(2.0))
+    found.flags.writeable = False
+    return found
 
 
 def unpack(packed: Array, order: int) -> Array:

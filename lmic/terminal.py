@@ -25,10 +25,8 @@ def table(*columns: str, title: str | None = None) -> Table:
     return result
 
 
-@contextmanager
-def progress(total: int, title: str, quiet: bool = False) -> Iterator[Callable[[str], None]]:
-    """A progress bar on standard error; call the yielded function after each piece of work."""
-    bar = Progress(
+def _bar(quiet: bool) -> Progress:
+    return Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
@@ -37,6 +35,19 @@ def progress(total: int, title: str, quiet: bool = False) -> Iterator[Callable[[
         transient=True,
         disable=quiet,
     )
-    with bar:
+
+
+@contextmanager
+def progress(total: int, title: str, quiet: bool = False) -> Iterator[Callable[[str], None]]:
+    """A progress bar on standard error; call the yielded function after each piece of work."""
+    with _bar(quiet) as bar:
         task = bar.add_task(title, total=total)
         yield lambda what: bar.update(task, advance=1, description=f"{title}: {what}")
+
+
+@contextmanager
+def counter(title: str, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar whose total is told with each step: call the yielded function with (more, total)."""
+    with _bar(quiet) as bar:
+        task = bar.add_task(title, total=None)
+        yield lambda more, total: bar.update(task, advance=more, total=total)

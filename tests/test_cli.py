@@ -266,7 +266,7 @@ TABLE_1 = {
 
 
 def test_reproduce_as_json(folder: Path) -> None:
-    records = {record["id"]: record for record in answer("reproduce", "peixoto2025")}
+    records = {record["id"]: record for record in answer("reproduce", "peixoto2025.table1")}
     assert TABLE_1.keys() <= records.keys()
     for case, (paper, value, verdict) in TABLE_1.items():
         record = records[case]

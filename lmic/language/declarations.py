@@ -17,6 +17,10 @@ class SymbolicSize(sp.Symbol):
         symbol: Self = sp.Symbol.__new__(cls, name, integer=True, positive=True)
         return symbol
 
+    def __getnewargs_ex__(self) -> tuple[tuple[str], dict[str, bool]]:
+        """What pickle makes the symbol from again."""
+        return (self.name,), {}
+
     def _latex(self, printer: Any) -> str:
         name = str(self.name)
         return f"{name[0]}_{{{name[1:]}}}" if len(name) > 1 and name.isalpha() else sp.latex(sp.Symbol(name))
@@ -57,6 +61,10 @@ class NamedScalar(sp.Symbol):
         symbol: Self = sp.Symbol.__xnew__(cls, name)
         symbol.latex_name = latex or sp.latex(sp.Symbol(name))
         return symbol
+
+    def __getnewargs_ex__(self) -> tuple[tuple[str, str], dict[str, bool]]:
+        """What pickle makes the symbol from again."""
+        return (self.name, self.latex_name), {}
 
     def _latex(self, printer: Any) -> str:
         return self.latex_name
@@ -129,6 +137,10 @@ class Star:
     """Marks a block that symmetry gives."""
 
     def __repr__(self) -> str:
+        return "star"
+
+    def __reduce__(self) -> str:
+        """Pickled by its name, so that there is only one."""
         return "star"
 
 

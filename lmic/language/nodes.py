@@ -136,6 +136,11 @@ class Leaf(Node):
         leaf.arguments, leaf.derivative = arguments, derivative
         return leaf
 
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        """What pickle makes the matrix from again: it has no sympy arguments."""
+        rows, cols = self._size
+        return (self.name, rows, cols, self.role, self.symmetric, self.blocks, self.arguments, self.derivative)
+
     def _hashable_content(self) -> tuple[Any, ...]:
         return (self.name, self._size, self.role, self.symmetric, self.blocks, self.arguments, self.derivative)
 
@@ -429,6 +434,9 @@ class Block(Node):
         ]
         node: Block = sp.Basic.__new__(cls, *(sp.Tuple(*row) for row in filled))
         return node
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return (self.args,)
 
     @property
     def grid(self) -> tuple[tuple[Node, ...], ...]:

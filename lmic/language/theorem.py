@@ -12,6 +12,7 @@ from lmic.errors import DefinitionError
 from lmic.language.declarations import Given, ScalarUnknown
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import Parameter
+from lmic.language.source import Source
 from lmic.language.systems import Bound, Stable, System
 
 
@@ -46,29 +47,6 @@ def _rows(rows: Any) -> tuple[tuple[Any, ...], ...]:
     if not isinstance(rows, (list, tuple)) or not all(isinstance(row, (list, tuple)) for row in rows):
         raise DefinitionError(f"{rows!r} is no list of block rows; write PD([[P, A], [star, P]])")
     return tuple(tuple(row) for row in rows)
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where a statement was published; ``statement`` is its name there, e.g. "Theorem 1"."""
-
-    authors: str
-    title: str
-    venue: str
-    year: int | None
-    statement: str = ""
-    derived: str = ""
-
-    @property
-    def short(self) -> str:
-        """Authors, year and the statement's name."""
-        statement = f", {self.statement}" if self.statement else ""
-        return f"{self.authors}{f' ({self.year})' if self.year else ''}{statement}"
-
-    def __str__(self) -> str:
-        place = f", {self.statement}" if self.statement else ""
-        year = f" ({self.year})" if self.year else ""
-        return f"{self.authors}{year}. {self.title}. {self.venue}{place}."
 
 
 @dataclass(frozen=True)

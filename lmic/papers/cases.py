@@ -93,8 +93,35 @@ class Response:
 
 
 @dataclass(frozen=True)
+class Improvement:
+    """A figure: by how many per cent the first theorem of a curve is below each other."""
+
+    id: str
+    title: str
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A figure: a report of several theorems over an axis of a sweep.
+
+    ``over`` are the sweep's axes as its command line writes them; ``search`` is a scalar with the interval in which
+    the best value is sought at every point.
+    """
+
+    id: str
+    title: str
+    theorems: tuple[str, ...]
+    plant: Path
+    report: str
+    over: Mapping[str, str]
+    given: Mapping[str, Any]
+    search: tuple[str, float, float] | None
+    improvement: Improvement | None
+
+
+@dataclass(frozen=True)
 class CaseTable:
-    """All cases, simulations and responses of one paper; ``group`` is its folder in the library."""
+    """All cases, simulations, responses and curves of one paper; ``group`` is its folder in the library."""
 
     group: str
     paper: str
@@ -102,6 +129,7 @@ class CaseTable:
     cases: tuple[Case, ...]
     simulations: tuple[Simulation, ...]
     responses: tuple[Response, ...]
+    curves: tuple[Curve, ...]
 
 
 def case_tables() -> list[CaseTable]:
@@ -110,11 +138,12 @@ def case_tables() -> list[CaseTable]:
 
 
 def select(names: tuple[str, ...]) -> list[CaseTable]:
-    """The tables reduced to the cases whose id begins with one of ``names`` (all without names)."""
+    """The tables reduced to the cases and curves whose id begins with one of ``names`` (all without names)."""
     tables = case_tables()
     if not names:
         return tables
     known = [case.id for table in tables for case in table.cases]
+    known += [curve.id for table in tables for curve in table.curves]
     for name in names:
         if not any(_matches(case, name) for case in known):
             raise LibraryError(f"no case is called '{name}'; the cases are {', '.join(known)}")
@@ -125,8 +154,9 @@ def select(names: tuple[str, ...]) -> list[CaseTable]:
         cases = tuple(case for case in table.cases if case.id in wanted)
         simulations = tuple(s for s in table.simulations if wanted.issuperset(s.cases))
         responses = tuple(response for response in table.responses if response.case in wanted)
-        if cases:
-            reduced.append(replace(table, cases=cases, simulations=simulations, responses=responses))
+        curves = tuple(curve for curve in table.curves if any(_matches(curve.id, name) for name in names))
+        if cases or curves:
+            reduced.append(replace(table, cases=cases, simulations=simulations, responses=responses, curves=curves))
     return reduced
 
 
@@ -145,6 +175,7 @@ def read_cases(path: Path) -> CaseTable:
         tuple(_case(entry, path, group) for entry in table.get("case", [])),
         tuple(_simulation(entry, group) for entry in table.get("simulation", [])),
         tuple(_response(entry, group) for entry in table.get("response", [])),
+        tuple(_curve(entry, path, group) for entry in table.get("curve", [])),
     )
 
 
@@ -203,4 +234,20 @@ def _response(entry: Mapping[str, Any], group: str) -> Response:
         case=f"{group}.{entry['case']}",
         parameters={name: tuple(map(tuple, rows)) for name, rows in entry["parameters"].items()},
         delay=(along_i, along_j),
+    )
+
+
+def _curve(entry: Mapping[str, Any], path: Path, group: str) -> Curve:
+    searched = [(name, float(low), float(high)) for name, (low, high) in entry.get("search", {}).items()]
+    better = entry.get("improvement")
+    return Curve(
+        id=f"{group}.{entry['id']}",
+        title=entry["title"],
+        theorems=tuple(f"{group}.{name}" for name in entry["theorems"]),
+        plant=path.parent / entry["plant"],
+        report=entry["report"],
+        over=entry["over"],
+        given=entry.get("set", {}),
+        search=searched[0] if searched else None,
+        improvement=Improvement(f"{group}.{better['id']}", better["title"]) if better else None,
     )

@@ -1,4 +1,4 @@
-"""Draw the papers' figures: signals over time as steps, over the plane as surfaces, responses as maps."""
+"""Draw the papers' figures: signals over time or the plane, responses as maps, sweeps as curves."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from lmic.errors import LibraryError
 from lmic.language.systems import DelayedFornasiniMarchesini, FornasiniMarchesini
 from lmic.norms import frozen_magnitude
-from lmic.papers.cases import CaseTable, Panel, Response, Simulation
+from lmic.papers.cases import CaseTable, Curve, Panel, Response, Simulation
 from lmic.papers.reproduce import Outcome
 from lmic.simulate.trajectory import Trajectory
+from lmic.sweeps.axes import Axis
+from lmic.sweeps.swept import Swept
 
 Array: TypeAlias = NDArray[Any]
 Trajectories: TypeAlias = Mapping[str, Trajectory]
@@ -42,6 +44,38 @@ def draw_responses(table: CaseTable, outcomes: Mapping[str, Outcome], folder: Pa
         for response in table.responses
         if outcomes[response.case].result.solution.status.usable
     ]
+
+
+def draw_curve(curve: Curve, swept: Mapping[str, Swept], folder: Path) -> list[Path]:
+    """One PNG for the curve and one for its improvement, and the table of every sweep as CSV."""
+    reported = {name: sweep.values(curve.report) for name, sweep in swept.items()}
+    labels = {name: f"{s.plan.theorem.source.statement}, {s.plan.theorem.title}" for name, s in swept.items()}
+    across = next(iter(swept.values())).plan.axes[0]
+    symbol = sp.latex(sp.Symbol(curve.report))
+    written = [
+        _curves(curve.id, curve.title, across, {labels[n]: v for n, v in reported.items()}, f"${symbol}$", folder)
+    ]
+    if curve.improvement:
+        best, *others = reported.items()
+        gains = {f"against {labels[name]}": 100 * (1 - best[1] / values) for name, values in others}
+        what = f"smaller ${symbol}$ (%)"
+        written.append(_curves(curve.improvement.id, curve.improvement.title, across, gains, what, folder))
+    for name, sweep in swept.items():
+        sweep.write_table(folder / f"{curve.id}.{name.rpartition('.')[2]}.csv")
+    return written
+
+
+def _curves(name: str, title: str, across: Axis, curves: Mapping[str, Array], what: str, folder: Path) -> Path:
+    figure = _canvas()
+    figure.set_size_inches(7, 4.2)
+    axis = figure.add_subplot()
+    for number, (label, values) in enumerate(curves.items()):
+        axis.plot(across.shown, values, "-" if number == 0 else "--", marker=".", linewidth=1.4, label=label)
+    axis.set_xlabel(f"${sp.latex(sp.Symbol(across.column))}$")
+    axis.set_ylabel(what)
+    axis.grid(alpha=0.3)
+    axis.legend(frameon=False, fontsize=8)
+    return _saved(figure, name, title, folder)
 
 
 def _figure(panel: Panel, trajectories: Trajectories, outcomes: Mapping[str, Outcome], folder: Path) -> Path:

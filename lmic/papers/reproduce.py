@@ -18,7 +18,7 @@ from lmic.certify.refine import certify_domain
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
 from lmic.norms import frozen_gain, frozen_peak
-from lmic.papers.cases import Case, CaseTable, Simulation
+from lmic.papers.cases import Case, CaseTable, Curve, Simulation
 from lmic.papers.enclosures import Enclosure, proven, stored
 from lmic.papers.signals import signal, trajectory_of
 from lmic.pipeline import Result, compile, lower_reports, prepare, run
@@ -31,6 +31,8 @@ from lmic.simulate.plane import simulate_plane
 from lmic.simulate.trajectory import Trajectory
 from lmic.solve.solution import Solution
 from lmic.solve.whole import TRUSTED_VIOLATION
+from lmic.sweeps.sweep import sweep
+from lmic.sweeps.swept import Swept
 
 
 class Verdict(StrEnum):
@@ -183,6 +185,12 @@ def _frozen(relaxation: Relaxation, case: Case, result: Result) -> Frozen | None
     norm = frozen_peak if bounds[0].norm == "energy to peak" else frozen_gain
     found = norm(result.design, bounds[0].system, points)
     return None if found is None else Frozen(float(found.max()), result.reports[bounds[0].report])
+
+
+def run_curve(curve: Curve) -> dict[str, Swept]:
+    """The sweep of every theorem of a curve, on all cores; by theorem."""
+    plant = read_plant(curve.plant)
+    return {name: sweep(theorem(name), plant, curve.over, curve.given, search=curve.search) for name in curve.theorems}
 
 
 def run_simulation(simulation: Simulation, outcomes: Mapping[str, Outcome]) -> dict[str, Trajectory]:

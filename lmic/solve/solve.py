@@ -4,35 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any, TypeAlias
+
+from numpy.typing import NDArray
 
 from lmic.assemble import ConicProblem
 from lmic.errors import SolverError
 from lmic.solve.attainment import with_attainment
 from lmic.solve.cone import ConeProblem, ConeSolver, Status
 from lmic.solve.exchange import solve_by_exchange
+from lmic.solve.neighbour import solve_near
 from lmic.solve.registry import solvers
 from lmic.solve.solution import Solution
 from lmic.solve.whole import PASSES, solve_whole
+
+Array: TypeAlias = NDArray[Any]
 
 #: from this number of LMIs on, most of them do not bind and exchange is the faster way
 EXCHANGE_FROM = 40
 
 
 def solve(
-    problem: ConeProblem, solver: ConeSolver | Sequence[ConeSolver] | None = None, passes: int = PASSES
+    problem: ConeProblem,
+    solver: ConeSolver | Sequence[ConeSolver] | None = None,
+    passes: int = PASSES,
+    near: Array | None = None,
 ) -> Solution:
     """Minimise, or find a point of largest margin where the theorem minimises nothing.
 
     Of several solvers the next is asked where one fails, and ``Solution.handovers`` keeps the reasons.
     That a problem is infeasible or unbounded is an answer, and so is a number that is not to be trusted.
-    Raises SolverError where none of the solvers could run.
+    ``near`` is the slack (svec, all LMIs) of a neighbouring problem's answer, whose coordinates may save
+    passes. Raises SolverError where none of the solvers could run.
     """
     several = solvers() if solver is None else tuple(solver) if isinstance(solver, Sequence) else (solver,)
     reasons: list[str] = []
     failed: Solution | None = None
     for one in several:
         try:
-            found = _solved(problem, one, passes)
+            found = _solved(problem, one, passes, near)
         except SolverError as error:
             reasons.append(f"{one.name}: {error}")
             continue
@@ -45,8 +55,10 @@ def solve(
     return replace(failed, handovers=tuple(reasons) if len(several) > 1 else ())
 
 
-def _solved(problem: ConeProblem, solver: ConeSolver, passes: int) -> Solution:
+def _solved(problem: ConeProblem, solver: ConeSolver, passes: int, near: Array | None) -> Solution:
     """The answer of one solver; only a compiled problem has families to exchange within."""
     if isinstance(problem, ConicProblem) and len(problem.orders) >= EXCHANGE_FROM:
         return solve_by_exchange(problem, solver, passes)
+    if near is not None and problem.cost.any() and (found := solve_near(problem, near, solver)):
+        return found
     return with_attainment(problem, solve_whole(problem, solver, passes), solver, passes)

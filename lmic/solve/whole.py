@@ -167,7 +167,7 @@ def svec_identity(order: int) -> Array:
     return vector
 
 
-def _svec_diagonal(packed: Array, orders: Array) -> Array:
+def svec_diagonal(packed: Array, orders: Array) -> Array:
     """The diagonals of the matrices of an svec vector, zero elsewhere."""
     return packed * np.concatenate([svec_identity(int(order)) for order in orders])
 
@@ -178,8 +178,9 @@ def passes_of(
     passes: int,
     enough: Callable[[_Candidate], bool] | None = None,
     guide: Array | None = None,
+    settled: float = SETTLED,
 ) -> tuple[_Candidate, tuple[Pass, ...]]:
-    """Solve, rescale by the answer, solve again, until violation and gap are small or ``enough`` says so.
+    """Solve, rescale by the answer, solve again, until violation and gap are ``settled`` or ``enough`` says so.
 
     ``guide`` is a slack whose coordinates to begin in. Where dense columns cost too much the
     coordinates stay as they are.
@@ -196,7 +197,7 @@ def passes_of(
             return candidate, tuple(one.step for one in found)
         if number == 0 and candidate.answer.status in (Status.INFEASIBLE, Status.UNBOUNDED):
             break
-        if number > 0 and _best(found).merit <= SETTLED:
+        if not rough and _best(found).merit <= settled:
             break
         # an answer that is no answer says nothing of the right coordinates
         nearest = candidate if np.isfinite(candidate.slack).all() else _best(found)
@@ -212,7 +213,7 @@ def _retreat(data: ConeData, solver: ConeSolver, passes: int) -> tuple[_Candidat
     """Solve in sparse coordinates; while the answer leaves a cone, ask for a share of diag S as margin."""
     scaled, transform = scaling.initial(data)
     found = [_candidate(data, scaled, transform, solver(scaled))]
-    diagonal = _svec_diagonal(found[0].slack, data.orders)
+    diagonal = svec_diagonal(found[0].slack, data.orders)
     share = min(found[0].step.violation, FIRST_MARGIN)
     while len(found) < passes and found[-1].answer.status.usable and found[-1].step.violation > SETTLED:
         margin = share * diagonal
@@ -254,7 +255,7 @@ def _candidate(data: ConeData, scaled: ConeData, transform: scaling.Scaling, ans
     bound = float(-data.offset @ dual) - miss
     violation = max(0.0, -relative)
     # what it would cost to go back into the cones by that much of every diagonal, to first order
-    price = violation * float(_svec_diagonal(slack, data.orders) @ dual)
+    price = violation * float(svec_diagonal(slack, data.orders) @ dual)
     step = Pass(answer.word, answer.iterations, float(data.cost @ x), bound, violation, price)
     return _Candidate(step, answer, x, slack, dual)
 
