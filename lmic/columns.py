@@ -44,7 +44,7 @@ def stacked(families: Sequence[LMIFamily], width: int) -> sps.csc_array:
     parts = [_part(family, int(start), width) for family, start in zip(families, starts, strict=False)]
     pointers = np.concatenate([[0], np.cumsum(np.sum([part.counts for part in parts], axis=0))]).astype(np.int64)
     total, height = int(pointers[-1]), int(starts[-1])
-    index = np.int32 if max(total, height) <= np.iinfo(np.int32).max else np.int64
+    index: Any = np.int32 if max(total, height) <= np.iinfo(np.int32).max else np.int64
     data, indices = np.empty(total), np.empty(total, dtype=index)
     places = pointers[:-1].copy()
     for part in parts:

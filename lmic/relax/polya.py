@@ -40,7 +40,9 @@ def polya(axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
             f"take a degree that makes at most {MAX_COEFFICIENTS}"
         )
     targets = homogeneous_exponents(len(corners), target)
-    weights = np.stack([_form(corners, powers, target, targets) for powers in exponents], axis=1)
+    distinct, inverse = np.unique(exponents, axis=0, return_inverse=True)
+    forms = np.stack([_form(corners, powers, target, targets) for powers in distinct], axis=1)
+    weights = forms[:, inverse.reshape(-1)]
     names = (
         [str(s) for s in axis.symbols] if axis.domain.kind == "simplex" else [f"v{k + 1}" for k in range(len(corners))]
     )
