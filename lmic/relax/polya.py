@@ -48,7 +48,8 @@ def polya(axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
     )
     labels = tuple(_label(axis, names, powers) for powers in targets)
     soundness = Soundness.EXACT if len(corners) == 1 else Soundness.SUFFICIENT
-    return AxisRelaxation(f"Pólya degree {degree}", weights, labels, soundness)
+    corner = np.flatnonzero((targets == target).any(axis=1))
+    return AxisRelaxation(f"Pólya degree {degree}", weights, labels, soundness, ends=corner)
 
 
 def _form(corners: Array, powers: Array, target: int, targets: Array) -> Array:
