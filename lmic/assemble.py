@@ -11,8 +11,8 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
 from lmic.bind import Binding
+from lmic.columns import stacked
 from lmic.layout import Layout
 from lmic.relax.family import LMIFamily, Soundness
 
@@ -67,31 +67,24 @@ class ConicProblem:
     @cached_property
     def columns(self) -> sps.csc_array:
         """svec of all LMIs: column 0 the constant, column i the coefficient of x[i - 1]."""
-        rows, cols, values = [], [], []
-        start = 0
-        for family in self.families:
-            lmi, length = family.lmi, svec.length(family.lmi.order)
-            starts = start + length * np.arange(len(family))
-            rows.append((starts[:, None] + lmi.rows[None, :]).ravel())
-            cols.append(np.broadcast_to(lmi.columns, (len(family), len(lmi.columns))).ravel())
-            values.append((family.values * svec.weights(lmi.order)[lmi.rows][None, :]).ravel())
-            start += length * len(family)
-        shape = (start, self.size + 1)
-        stacked = sps.coo_array(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))), shape=shape
-        ).tocsc()
-        stacked.eliminate_zeros()
-        return stacked
+        return stacked(self.families, self.size + 1)
 
-    @property
+    @cached_property
     def matrix(self) -> sps.csc_array:
-        """Columns of the unknowns, rows svec of all LMIs."""
-        return self.columns[:, 1:]
+        """Columns of the unknowns, rows svec of all LMIs; it shares its memory with ``columns``."""
+        columns = self.columns
+        first = int(columns.indptr[1])
+        inside = (columns.data[first:], columns.indices[first:], columns.indptr[1:] - first)
+        return sps.csc_array(inside, shape=(columns.shape[0], self.size))
 
-    @property
+    @cached_property
     def offset(self) -> Array:
         """svec of all LMIs at x = 0."""
-        return self.columns[:, [0]].toarray().ravel()
+        columns = self.columns
+        first = int(columns.indptr[1])
+        dense = np.zeros(columns.shape[0])
+        dense[columns.indices[:first]] = columns.data[:first]
+        return dense
 
     def restricted(self, chosen: Array) -> ConicProblem:
         """The problem with only the LMIs numbered ``chosen`` (increasing), in the same unknowns."""

@@ -7,9 +7,9 @@ sparsity pattern, so the LMI is one sparse array: monomials x pattern.
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -26,9 +26,10 @@ from lmic.language.nodes import Inverse, Leaf
 from lmic.language.parameters import Parameter, instance_symbol, rate_symbol
 from lmic.language.theorem import Theorem
 from lmic.layout import Layout, UnknownLayout, combination, make_layout
+from lmic.memory import Kept
 from lmic.parametric import ParametricLMI
 from lmic.plants.plant import Plant, exact_number
-from lmic.polynomials import MatrixPolynomial, Monomials, scalar_polynomial
+from lmic.polynomials import MatrixPolynomial, Monomials, row_polynomial, scalar_polynomial
 from lmic.sizes import solve_sizes
 from lmic.terms import Term, TermList, affine_parts
 
@@ -72,19 +73,19 @@ def bind(
     ``dependence`` maps an unknown's name to a :data:`lmic.bases.Choice`; ``sizes`` fixes
     dimensions that no matrix of the plant determines. The given scalars stay symbolic.
     """
-    place = Place(theorem.name)
-    domains = _domains(theorem, plant, place)
-    values = solve_sizes(theorem, plant, sizes or {}, place)
-    binder = _Binder(theorem, plant, domains, values, make_layout(theorem, domains, values, dependence or {}, place))
+    shape = _shapes.get(
+        theorem, _key(plant, dependence or {}, sizes or {}), lambda: _shape(theorem, plant, dependence, sizes)
+    )
+    binder = _Binder(theorem, plant, shape)
     return Binding(
         theorem=theorem,
         plant=plant,
-        sizes=values,
-        layout=binder.layout,
+        sizes=shape.sizes,
+        layout=shape.layout,
         lmis={name: binder.lmi(terms) for name, terms in term_lists.items()},
-        objective=binder.objective(),
-        instances={name: tuple(found) for name, found in theorem.parameters.items() if name in domains},
-        domains=domains,
+        objective=shape.objective,
+        instances={name: tuple(found) for name, found in theorem.parameters.items() if name in shape.domains},
+        domains=shape.domains,
     )
 
 
@@ -127,6 +128,10 @@ def _domains(theorem: Theorem, plant: Plant, place: Place) -> dict[str, Domain]:
     return domains
 
 
+#: rows, columns and coordinates of the entries of an unknown that may be nonzero, and its shape
+_Places: TypeAlias = tuple[Array, Array, Array, tuple[int, int]]
+
+
 # Numbers enter ------------------------------------------------------------------------------------
 
 
@@ -142,16 +147,82 @@ class _Entries:
 
 
 @dataclass(frozen=True)
-class _Binder:
-    theorem: Theorem
-    plant: Plant
+class _Shape:
+    """What plants of the same dimensions and domains have in common."""
+
     domains: Mapping[str, Domain]
     sizes: Mapping[sp.Symbol, int]
     layout: Layout
+    objective: MatrixPolynomial | None
+    known_sizes: dict[sp.Expr, int] = field(default_factory=dict)
+    bases: dict[Leaf, MatrixPolynomial] = field(default_factory=dict)
+    entries: dict[Factor, _Places] = field(default_factory=dict)
+
+    def size(self, expression: sp.Expr) -> int:
+        """Value of a symbolic size."""
+        if expression not in self.known_sizes:
+            self.known_sizes[expression] = int(expression.subs(self.sizes))
+        return self.known_sizes[expression]
+
+
+_shapes: Kept[_Shape] = Kept()
+
+
+def _key(plant: Plant, dependence: Mapping[str, Choice], sizes: Mapping[str, int]) -> Hashable:
+    """Everything of a plant and the choices that a :class:`_Shape` depends on."""
+    chosen = tuple((name, _choice_key(choice)) for name, choice in sorted(dependence.items()))
+    shapes = tuple((name, matrix.shape) for name, matrix in plant.matrices.items())
+    return tuple(plant.domains.items()), shapes, frozenset(plant.ingredients), chosen, tuple(sorted(sizes.items()))
+
+
+def _choice_key(choice: Choice) -> Hashable:
+    """A choice by its text, and by its expressions where it has any."""
+    listed = [] if isinstance(choice, str) or not isinstance(choice, Sequence) else choice
+    return repr(choice), tuple(f for f in listed if isinstance(f, sp.Expr))
+
+
+def _shape(
+    theorem: Theorem, plant: Plant, dependence: Mapping[str, Choice] | None, sizes: Mapping[str, int] | None
+) -> _Shape:
+    place = Place(theorem.name)
+    domains = _domains(theorem, plant, place)
+    values = solve_sizes(theorem, plant, sizes or {}, place)
+    layout = make_layout(theorem, domains, values, dependence or {}, place)
+    return _Shape(domains, values, layout, _objective(theorem, layout))
+
+
+def _objective(theorem: Theorem, layout: Layout) -> MatrixPolynomial | None:
+    """What is minimised as a 1 x (1 + n) polynomial in the given scalars, constant first."""
+    if theorem.minimise is None:
+        return None
+    expression = sp.sympify(theorem.minimise)
+    scalars = theorem.scalar_unknowns
+    parts = affine_parts(expression, scalars)
+    if parts is None:
+        raise PlantError(
+            f"the objective {expression} is not affine in {', '.join(map(str, scalars))}", Place(theorem.name)
+        )
+    row = {1 + layout.unknowns[scalar.name].offset: _plain(slope) for scalar, slope in parts[1].items()}
+    return row_polynomial({0: _plain(parts[0]), **row}, 1 + layout.size)
+
+
+@dataclass(frozen=True)
+class _Binder:
+    theorem: Theorem
+    plant: Plant
+    shape: _Shape
     cache: dict[Factor | Factors, MatrixPolynomial] = field(default_factory=dict)
 
     def size(self, expression: sp.Expr) -> int:
-        return int(expression.subs(self.sizes))
+        return self.shape.size(expression)
+
+    @property
+    def domains(self) -> Mapping[str, Domain]:
+        return self.shape.domains
+
+    @property
+    def layout(self) -> Layout:
+        return self.shape.layout
 
     # data
 
@@ -221,6 +292,11 @@ class _Binder:
 
     def basis(self, leaf: Leaf) -> MatrixPolynomial:
         """Basis functions of an unknown (or their time derivatives) at its instance, 1 x B."""
+        if leaf not in self.shape.bases:
+            self.shape.bases[leaf] = self._basis(leaf)
+        return self.shape.bases[leaf]
+
+    def _basis(self, leaf: Leaf) -> MatrixPolynomial:
         functions = self.layout.unknowns[leaf.name].functions
         if leaf.derivative:
             components = [c for p in leaf.arguments if p.name in self.domains for c in self.domains[p.name].components]
@@ -228,22 +304,6 @@ class _Binder:
                 sp.Add(*(sp.diff(f, sp.Symbol(c)) * rate_symbol(c) for c in components)) for f in functions
             )
         return combination(functions).renamed(self.instances(leaf))
-
-    def objective(self) -> MatrixPolynomial | None:
-        """What is minimised as a 1 x (1 + n) polynomial in the given scalars, constant first."""
-        if self.theorem.minimise is None:
-            return None
-        expression = sp.sympify(self.theorem.minimise)
-        scalars = self.theorem.scalar_unknowns
-        parts = affine_parts(expression, scalars)
-        if parts is None:
-            raise PlantError(
-                f"the objective {expression} is not affine in {', '.join(map(str, scalars))}", Place(self.theorem.name)
-            )
-        row = [_plain(parts[0])] + [sp.Integer(0)] * self.layout.size
-        for scalar, slope in parts[1].items():
-            row[1 + self.layout.unknowns[scalar.name].offset] = _plain(slope)
-        return MatrixPolynomial.from_sympy(sp.Matrix([row])).numeric()
 
     # LMIs
 
@@ -278,7 +338,9 @@ class _Binder:
         """Nonzero entries of L·X·R over monomials, entries and coordinates of X."""
         assert isinstance(unknown.matrix, Leaf)
         layout = self.layout.unknowns[unknown.matrix.name]
-        entry_row, entry_col, coordinate, shape = _unknown_entries(unknown, layout, self)
+        if unknown not in self.shape.entries:
+            self.shape.entries[unknown] = _unknown_entries(unknown, layout, self.shape)
+        entry_row, entry_col, coordinate, shape = self.shape.entries[unknown]
         basis = self.basis(unknown.matrix)
         outer = self.product(left) or MatrixPolynomial.constant(np.eye(shape[0]))
         inner = self.product(right) or MatrixPolynomial.constant(np.eye(shape[1]))
@@ -315,18 +377,17 @@ class _Binder:
         )
 
 
+@lru_cache(maxsize=4096)
 def _plain(expression: sp.Expr) -> sp.Expr:
     """Given scalars as plain symbols, so that they meet the plant's."""
     return expression.xreplace({s: sp.Symbol(s.name) for s in expression.free_symbols})
 
 
-def _unknown_entries(
-    unknown: Factor, layout: UnknownLayout, binder: _Binder
-) -> tuple[Array, Array, Array, tuple[int, int]]:
+def _unknown_entries(unknown: Factor, layout: UnknownLayout, sizes: _Shape) -> _Places:
     """Rows, columns and coordinates of the nonzero entries of I ⊗ X ⊗ I, and its shape."""
     marked = (layout.coordinate.T if unknown.transposed else layout.coordinate) + 1
-    marked = np.kron(np.eye(binder.size(unknown.before), dtype=int), marked)
-    marked = np.kron(marked, np.eye(binder.size(unknown.after), dtype=int))
+    marked = np.kron(np.eye(sizes.size(unknown.before), dtype=int), marked)
+    marked = np.kron(marked, np.eye(sizes.size(unknown.after), dtype=int))
     rows, cols = np.nonzero(marked)
     return rows, cols, marked[rows, cols] - 1, (marked.shape[0], marked.shape[1])
 
@@ -335,6 +396,8 @@ def _scaled(scale: MatrixPolynomial, entries: _Entries) -> _Entries:
     """Entries times a scalar polynomial."""
     count = len(scale.monomials)
     factors = scale.coefficients[:, 0, 0]
+    if not scale.monomials.atoms:
+        return replace(entries, value=factors[0] * entries.value)
     return _Entries(
         scale.monomials.times(entries.monomials),
         (np.arange(count)[:, None] * len(entries.monomials) + entries.monomial[None, :]).ravel(),

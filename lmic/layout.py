@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,7 +16,7 @@ from lmic.domains import Domain
 from lmic.errors import BasisError, Place
 from lmic.language.nodes import Leaf
 from lmic.language.theorem import Theorem
-from lmic.polynomials import MatrixPolynomial
+from lmic.polynomials import MatrixPolynomial, row_polynomial
 
 Array: TypeAlias = NDArray[Any]
 
@@ -84,9 +85,10 @@ class Layout:
         raise IndexError(column)
 
 
-def combination(functions: Sequence[sp.Expr]) -> MatrixPolynomial:
+@lru_cache(maxsize=1024)
+def combination(functions: tuple[sp.Expr, ...]) -> MatrixPolynomial:
     """The basis functions as a 1 x B polynomial."""
-    return MatrixPolynomial.from_sympy(sp.Matrix([list(functions)])).numeric()
+    return row_polynomial(dict(enumerate(functions)), len(functions))
 
 
 def coordinates(leaf: Leaf, shape: tuple[int, int], blocks: Sequence[int]) -> Array:

@@ -30,16 +30,19 @@ from lmic.bind import Binding, bind
 from lmic.errors import Place, RecoveryError
 from lmic.language.theorem import Theorem
 from lmic.lower import lower
+from lmic.memory import Kept
 from lmic.plants.plant import Plant
 from lmic.recover import Design, recover
 from lmic.relax.relax import Relaxation, relax
 from lmic.solve.cone import ConeSolver
 from lmic.solve.solution import Solution
 from lmic.solve.solve import solve
-from lmic.terms import term_lists
+from lmic.terms import TermList, term_lists
 
 #: size up to which an imaginary part is the root of a rounding error
 ROUNDED_ROOT = 1e-4
+
+_symbolic: Kept[Mapping[str, TermList]] = Kept()
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,12 @@ def prepare(
     sizes: Mapping[str, int] | None = None,
 ) -> Binding:
     """Stages 1 to 3, with the given scalars still open: the part that a sweep does once."""
-    return bind(theorem, term_lists(lower(theorem)), plant, dependence, sizes)
+    return bind(theorem, symbolic(theorem), plant, dependence, sizes)
+
+
+def symbolic(theorem: Theorem) -> Mapping[str, TermList]:
+    """Stages 1 and 2, which no plant changes: done once for a theorem object and kept as long as it lives."""
+    return _symbolic.get(theorem, "terms", lambda: term_lists(lower(theorem)))
 
 
 def finish(

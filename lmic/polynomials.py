@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -45,6 +46,8 @@ class Monomials:
 
     def over(self, atoms: tuple[Atom, ...]) -> Array:
         """Exponents in the columns of ``atoms``, a superset of this record's atoms."""
+        if atoms == self.atoms:
+            return self.exponents
         exponents = np.zeros((len(self), len(atoms)), dtype=np.int64)
         place = {atom: column for column, atom in enumerate(atoms)}
         for column, atom in enumerate(self.atoms):
@@ -93,7 +96,12 @@ class Monomials:
 
 def union(first: Sequence[Atom], second: Sequence[Atom]) -> tuple[Atom, ...]:
     """The atoms of both, in one order."""
-    return tuple(sorted({*first, *second}, key=str))
+    return _ordered(frozenset((*first, *second)))
+
+
+@lru_cache(maxsize=4096)
+def _ordered(atoms: frozenset[Atom]) -> tuple[Atom, ...]:
+    return tuple(sorted(atoms, key=str))
 
 
 def atom_values(atom: Atom, values: Mapping[sp.Symbol, Any]) -> Array:
@@ -186,7 +194,10 @@ class MatrixPolynomial:
         """With equal monomials added up."""
         monomials, inverse = self.monomials.merged()
         coefficients = np.zeros((len(monomials), *self.shape), dtype=self.coefficients.dtype)
-        np.add.at(coefficients, inverse, self.coefficients)
+        if len(monomials) == len(self.monomials):  # nothing to add up
+            coefficients[inverse] = self.coefficients
+        else:
+            np.add.at(coefficients, inverse, self.coefficients)
         return MatrixPolynomial(monomials, coefficients)
 
     def kron_identity(self, before: int, after: int) -> MatrixPolynomial:
@@ -219,9 +230,23 @@ class ScalarTerms(Monomials):
 
 def scalar_terms(expression: sp.Expr) -> ScalarTerms:
     """A scalar expression as a polynomial in its atoms, e.g. ``2*a*sin(r) + r**2``."""
-    expression = sp.expand(sp.sympify(expression))
-    if expression.is_Rational:
-        return ScalarTerms((), np.zeros((1, 0), dtype=np.int64), (Fraction(int(expression.p), int(expression.q)),))
+    expression = sp.sympify(expression)
+    return _product_terms(expression) or _expanded_terms(sp.expand(expression))
+
+
+def _product_terms(expression: sp.Expr) -> ScalarTerms | None:
+    """A number times powers of symbols, which most entries and basis functions are; None for anything else."""
+    number, product = expression.as_coeff_Mul()
+    if not number.is_Rational:
+        return None
+    powers = [factor.as_base_exp() for factor in sp.Mul.make_args(product) if factor != 1]
+    if not all(base.is_Symbol and power.is_Integer and power > 0 for base, power in powers):
+        return None
+    exponents = np.array([[int(power) for _, power in powers]], dtype=np.int64).reshape(1, len(powers))
+    return ScalarTerms(tuple(base for base, _ in powers), exponents, (Fraction(int(number.p), int(number.q)),))
+
+
+def _expanded_terms(expression: sp.Expr) -> ScalarTerms:
     # functions stay whole: sympy would split exp(0.123*x) into exp(x/1000)**123
     hidden = {function: sp.Dummy() for function in sorted(expression.atoms(sp.Function), key=str)}
     shown = {dummy: function for function, dummy in hidden.items()}
@@ -231,8 +256,18 @@ def scalar_terms(expression: sp.Expr) -> ScalarTerms:
     return ScalarTerms(tuple(generator.xreplace(shown) for generator in generators), exponents, coefficients)
 
 
+@lru_cache(maxsize=4096)
 def scalar_polynomial(expression: sp.Expr) -> MatrixPolynomial:
     """A scalar expression as a 1 x 1 float polynomial."""
-    terms = scalar_terms(expression)
-    values = np.array([float(c) for c in terms.coefficients]).reshape(-1, 1, 1)
-    return MatrixPolynomial(Monomials(terms.atoms, terms.exponents), values)
+    return row_polynomial({0: expression}, 1)
+
+
+def row_polynomial(entries: Mapping[int, sp.Expr], width: int) -> MatrixPolynomial:
+    """A float row with the given entries at their places and zeros elsewhere."""
+    found = [scalar_terms(entry) for entry in entries.values()]
+    atoms = union([atom for terms in found for atom in terms.atoms], ())
+    monomials, inverse = Monomials(atoms, np.concatenate([terms.over(atoms) for terms in found])).merged()
+    place = np.repeat(list(entries), [len(terms) for terms in found])
+    coefficients = np.zeros((len(monomials), width))
+    np.add.at(coefficients, (inverse, place), [float(c) for terms in found for c in terms.coefficients])
+    return MatrixPolynomial(monomials, coefficients[:, None, :])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -145,12 +146,12 @@ class Theorem:
 
     # What occurs in the statement -----------------------------------------------------------
 
-    @property
+    @cached_property
     def nodes(self) -> list[Node]:
         """Every matrix expression of the LMIs."""
         return [entry for lmi in self.lmis.values() for row in lmi.rows for entry in row if isinstance(entry, Node)]
 
-    @property
+    @cached_property
     def extras(self) -> list[Node]:
         """Matrix expressions outside the LMIs: recovery, guarantees, assumptions."""
         systems = [*(bound.system for bound in self.guarantees), *self.signals.values()]
@@ -171,17 +172,17 @@ class Theorem:
                     )
         return found
 
-    @property
+    @cached_property
     def data(self) -> dict[str, Leaf]:
         """The matrices that a plant must give, in the order of appearance."""
         return self._declarations("data", self.nodes + self.extras)
 
-    @property
+    @cached_property
     def unknowns(self) -> dict[str, Leaf]:
         """The matrix unknowns, in the order of appearance."""
         return self._declarations("unknown", self.nodes)
 
-    @property
+    @cached_property
     def scalar_symbols(self) -> set[sp.Symbol]:
         """Every scalar symbol of the statement."""
         symbols = set().union(*(node.scalars() for node in self.nodes + self.extras))
@@ -201,17 +202,17 @@ class Theorem:
             if isinstance(entry, sp.Expr) and not isinstance(entry, Node)
         ]
 
-    @property
+    @cached_property
     def scalar_unknowns(self) -> list[ScalarUnknown]:
         """The scalar unknowns by name."""
         return sorted((s for s in self.scalar_symbols if isinstance(s, ScalarUnknown)), key=str)
 
-    @property
+    @cached_property
     def givens(self) -> list[Given]:
         """The scalars that are fixed when compiling, by name."""
         return sorted((s for s in self.scalar_symbols if isinstance(s, Given)), key=str)
 
-    @property
+    @cached_property
     def parameters(self) -> dict[str, list[Parameter]]:
         """For each parameter, the instances (now, next, copies) at which something is taken."""
         found: dict[str, dict[str, Parameter]] = {}
@@ -223,12 +224,16 @@ class Theorem:
 
     def dependence(self, unknown: str) -> tuple[str, ...]:
         """Names of the parameters on which an unknown may depend."""
-        names = {
-            tuple(parameter.name for parameter in leaf.arguments)
-            for node in self.nodes
-            for leaf in node.leaves()
-            if leaf.name == unknown
-        }
+        names = self._arguments.get(unknown, set())
         if len(names) > 1:
             raise DefinitionError(f"{self.name}: {unknown} is used with different parameters: {sorted(names)}")
         return () if unknown in self.constant else next(iter(names), ())
+
+    @cached_property
+    def _arguments(self) -> dict[str, set[tuple[str, ...]]]:
+        """For each matrix of the LMIs, the names of the parameters at which it is taken."""
+        found: dict[str, set[tuple[str, ...]]] = {}
+        for node in self.nodes:
+            for leaf in node.leaves():
+                found.setdefault(leaf.name, set()).add(tuple(parameter.name for parameter in leaf.arguments))
+        return found

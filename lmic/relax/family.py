@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -35,13 +36,16 @@ class Soundness(StrEnum):
 class AxisRelaxation:
     """One axis made finite: LMI k takes monomial m with weight ``weights[k, m]``.
 
-    ``labels`` name the K choices.
+    ``labels`` name the K choices. ``implying`` are the choices of which all others are convex
+    combinations, ``ends`` those at the corners of the domain; None stands for all.
     """
 
     method: str
     weights: Array
     labels: tuple[str, ...]
     soundness: Soundness
+    implying: Array | None = None
+    ends: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,35 @@ class LMIFamily:
             return ()
         choice = np.unravel_index(int(self.members[k]), [len(axis.labels) for axis in self.axes])
         return tuple(axis.labels[int(c)] for axis, c in zip(self.axes, choice, strict=True))
+
+    @property
+    def whole(self) -> bool:
+        """Whether no combination of the axes' choices is left out."""
+        return len(self.members) == prod(len(axis.labels) for axis in self.axes)
+
+    @property
+    def implying(self) -> Array:
+        """Numbers of LMIs whose convex combinations are all the others: these imply the whole family.
+
+        With one axis' weights a convex combination of others', so is the LMI, for every choice on the other axes.
+        """
+        if not self.whole:
+            return np.arange(len(self))
+        return self._combinations([axis.implying for axis in self.axes])
+
+    @property
+    def ends(self) -> Array:
+        """Numbers of LMIs at the corners of every axis' domain."""
+        if not self.whole:
+            return np.arange(len(self))
+        return self._combinations([axis.ends for axis in self.axes])
+
+    def _combinations(self, chosen: Sequence[Array | None]) -> Array:
+        shape = [len(axis.labels) for axis in self.axes]
+        if not shape:
+            return np.arange(len(self))
+        choices = [np.arange(count) if some is None else some for some, count in zip(chosen, shape, strict=True)]
+        return np.ravel_multi_index(np.ix_(*choices), shape).ravel()
 
     def subset(self, chosen: Array) -> LMIFamily:
         """Only the LMIs numbered ``chosen``."""

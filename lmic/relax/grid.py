@@ -8,6 +8,7 @@ from itertools import product
 from typing import Any, TypeAlias
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from lmic.errors import RelaxationError
@@ -50,7 +51,23 @@ def grid(axis: Axis, part: Monomials, choice: Grid) -> AxisRelaxation:
     if len(weights) != len(points):
         weights = np.broadcast_to(weights, (len(points), weights.shape[1]))
     labels = tuple(f"{axis.name} = {', '.join(f'{value:.4g}' for value in point)}" for point in points.tolist())
-    return AxisRelaxation(f"grid of {len(points)} points", weights, labels, Soundness.SAMPLED)
+    method = f"grid of {len(points)} points"
+    return AxisRelaxation(method, weights, labels, Soundness.SAMPLED, _implying(part, points), _ends(points))
+
+
+def _implying(part: Monomials, points: Array) -> Array | None:
+    """Points whose convex combinations are all the others, where the matrix is affine in one component."""
+    affine = all(isinstance(atom, sp.Symbol) for atom in part.atoms) and part.exponents.sum(axis=1).max() <= 1
+    if affine and points.shape[1] == 1:
+        return _ends(points)
+    first = np.unique(points, axis=0, return_index=True)[1]
+    return np.sort(first) if len(first) < len(points) else None
+
+
+def _ends(points: Array) -> Array:
+    """The points farthest out in every direction of the box around them."""
+    signs = np.array(list(product((-1.0, 1.0), repeat=points.shape[1])))
+    return np.unique(np.argmax(points @ signs.T, axis=0))
 
 
 def check_grid(name: str, choice: Grid) -> None:

@@ -40,13 +40,16 @@ def polya(axis: Axis, part: Monomials, degree: int) -> AxisRelaxation:
             f"take a degree that makes at most {MAX_COEFFICIENTS}"
         )
     targets = homogeneous_exponents(len(corners), target)
-    weights = np.stack([_form(corners, powers, target, targets) for powers in exponents], axis=1)
+    distinct, inverse = np.unique(exponents, axis=0, return_inverse=True)
+    forms = np.stack([_form(corners, powers, target, targets) for powers in distinct], axis=1)
+    weights = forms[:, inverse.reshape(-1)]
     names = (
         [str(s) for s in axis.symbols] if axis.domain.kind == "simplex" else [f"v{k + 1}" for k in range(len(corners))]
     )
     labels = tuple(_label(axis, names, powers) for powers in targets)
     soundness = Soundness.EXACT if len(corners) == 1 else Soundness.SUFFICIENT
-    return AxisRelaxation(f"Pólya degree {degree}", weights, labels, soundness)
+    corner = np.flatnonzero((targets == target).any(axis=1))
+    return AxisRelaxation(f"Pólya degree {degree}", weights, labels, soundness, ends=corner)
 
 
 def _form(corners: Array, powers: Array, target: int, targets: Array) -> Array:

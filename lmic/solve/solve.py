@@ -12,7 +12,7 @@ from lmic.assemble import ConicProblem
 from lmic.errors import SolverError
 from lmic.solve.attainment import with_attainment
 from lmic.solve.cone import ConeProblem, ConeSolver, Status
-from lmic.solve.exchange import solve_by_exchange
+from lmic.solve.exchange import complete, implying_lmis, solve_by_exchange
 from lmic.solve.neighbour import solve_near
 from lmic.solve.registry import solvers
 from lmic.solve.solution import Solution
@@ -56,9 +56,13 @@ def solve(
 
 
 def _solved(problem: ConeProblem, solver: ConeSolver, passes: int, near: Array | None) -> Solution:
-    """The answer of one solver; only a compiled problem has families to exchange within."""
-    if isinstance(problem, ConicProblem) and len(problem.orders) >= EXCHANGE_FROM:
+    """The answer of one solver; only a compiled problem has families, within which some LMIs imply others."""
+    if not isinstance(problem, ConicProblem):
+        return with_attainment(problem, solve_whole(problem, solver, passes), solver, passes)
+    implying = implying_lmis(problem)
+    if len(implying) >= EXCHANGE_FROM:
         return solve_by_exchange(problem, solver, passes)
     if near is not None and problem.cost.any() and (found := solve_near(problem, near, solver)):
         return found
-    return with_attainment(problem, solve_whole(problem, solver, passes), solver, passes)
+    needed = problem if len(implying) == len(problem.orders) else problem.restricted(implying)
+    return complete(problem, implying, with_attainment(needed, solve_whole(needed, solver, passes), solver, passes))

@@ -59,8 +59,11 @@ class _Candidate:
         return max(1e3 * self.step.violation, uncertainty) if np.isfinite(uncertainty) else np.inf
 
 
-def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
-    """Minimise; where the theorem minimises nothing, find the point of largest margin."""
+def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES, near: Array | None = None) -> Solution:
+    """Minimise; where the theorem minimises nothing, find the point of largest margin.
+
+    ``near`` is a point close to the solution, in whose coordinates to begin.
+    """
     if not problem.cost.any():
         return _feasibility(problem, solver, passes)
     data = ConeData(problem.cost, problem.matrix, problem.offset, problem.orders)
@@ -69,7 +72,8 @@ def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES) 
     if directions.unseen(data.cost):
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, ())
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
-    best, steps = passes_of(reduced, solver, passes)
+    guide = None if near is None else data.matrix @ near + data.offset
+    best, steps = passes_of(reduced, solver, passes, guide=guide)
     doubtful = best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6)
     if doubtful:
         feasible = margin(problem, solver, passes)
@@ -198,6 +202,8 @@ def passes_of(
         if number == 0 and candidate.answer.status in (Status.INFEASIBLE, Status.UNBOUNDED):
             break
         if not rough and _best(found).merit <= settled:
+            break
+        if number + 1 == passes:
             break
         # an answer that is no answer says nothing of the right coordinates
         nearest = candidate if np.isfinite(candidate.slack).all() else _best(found)
