@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from lmic.certify.certificate import read_certificate as read_certificate
+    from lmic.certify.certificate_file import read_certificate as read_certificate
     from lmic.certify.verify import verify as verify
     from lmic.interchange.formats import read_problem as read_problem
     from lmic.interchange.formats import write_problem as write_problem
@@ -47,7 +47,7 @@ _HOME = {
     "line_search": "lmic.search",
     "picos_problem": "lmic.interchange.models",
     "prepare": "lmic.pipeline",
-    "read_certificate": "lmic.certify.certificate",
+    "read_certificate": "lmic.certify.certificate_file",
     "read_plant": "lmic.plants.files",
     "read_problem": "lmic.interchange.formats",
     "run": "lmic.pipeline",

@@ -194,7 +194,7 @@ def solve(
 def verify(file: Path, theorem: str | None, as_json: bool) -> None:
     """Prove a certificate anew from its theorem and its file alone, without any solver."""
     from lmic import library, reporting
-    from lmic.certify.certificate import read_certificate
+    from lmic.certify.certificate_file import read_certificate
     from lmic.certify.verify import verify as prove
 
     certificate = read_certificate(file)
@@ -216,6 +216,7 @@ def verify(file: Path, theorem: str | None, as_json: bool) -> None:
 @JSON
 def refute(name: str, plant: Path, below: str, output: Path | None, as_json: bool, **choices: Any) -> None:
     """Prove that no solution of a theorem reports so small a value; ends with 1 where that is not proven."""
+    from lmic.certify.certificate_file import write_certificate
     from lmic.certify.certify import refutation
     from lmic.pipeline import run
 
@@ -226,7 +227,7 @@ def refute(name: str, plant: Path, below: str, output: Path | None, as_json: boo
         result, chosen.relaxation(result.problem.binding.plant), numbers(chosen.given, "--set"), chosen.dimensions()
     )
     if output:
-        certificate.write(output)
+        write_certificate(certificate, output)
     refuted = lower > value
     if as_json:
         echo_json({"report": report, "below": float(value), "lower": float(lower), "refuted": refuted})
@@ -293,6 +294,7 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
     from time import perf_counter
 
     from lmic import reporting, terminal
+    from lmic.certify.certificate_file import write_certificate
     from lmic.pages.report import Reproduction, write_report
     from lmic.papers.cases import select
     from lmic.papers.figures import draw, draw_curve, draw_responses
@@ -315,7 +317,7 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
             for outcome in run_table(table, fresh=fresh or certify is not None):
                 outcomes[outcome.case.id] = outcome
                 if certify and outcome.enclosure and outcome.certificate:
-                    outcome.certificate.write(certify / f"{outcome.case.id}.json")
+                    write_certificate(outcome.certificate, certify / f"{outcome.case.id}.json")
                 advance(outcome.case.what)
             for curve in table.curves:
                 swept[curve.id] = (curve, run_curve(curve))

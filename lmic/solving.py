@@ -9,6 +9,7 @@ from time import perf_counter
 import click
 
 from lmic import reporting
+from lmic.certify.certificate_file import write_certificate
 from lmic.certify.certify import certify as prove
 from lmic.certify.certify import without_unproven_claim
 from lmic.certify.refine import certify_domain
@@ -60,7 +61,7 @@ def solve_theorem(
             certificate = prove(result, relaxation, given, chosen.dimensions())
             result = without_unproven_claim(result, certificate)
     if certificate and certify and certify != Path("-"):
-        certificate.write(certify)
+        write_certificate(certificate, certify)
     if output:
         write_design(result, output)
     if as_json:

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from lmic.certify.certificate import Standing, read_certificate
+from lmic.certify.certificate import Standing
+from lmic.certify.certificate_file import read_certificate
 from lmic.certify.verify import verify
 from lmic.cli import main
 

@@ -19,15 +19,8 @@ from conftest import direct
 
 from lmic import library, svec
 from lmic.certify import document
-from lmic.certify.certificate import (
-    Certificate,
-    Standing,
-    Unknown,
-    checksum,
-    parsed,
-    read_certificate,
-    text,
-)
+from lmic.certify.certificate import Certificate, Standing, Unknown
+from lmic.certify.certificate_file import checksum, parsed, read_certificate, text, write_certificate
 from lmic.certify.certify import certify, refutation
 from lmic.certify.finite import Coefficient, Functional, finite_problem
 from lmic.certify.infeasible import Infeasible
@@ -274,7 +267,7 @@ def test_coefficients_sum_to_the_polynomial() -> None:
 
 def test_a_certificate_is_read_as_it_was_written(table_1: Certificate, tmp_path: Path) -> None:
     path = tmp_path / "table1.json"
-    table_1.write(path)
+    write_certificate(table_1, path)
     again = read_certificate(path)
     assert text(again) == text(table_1)
     verdict = verify(again)

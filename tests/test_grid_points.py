@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from scipy.optimize import linprog
 
 from lmic import library
-from lmic.certify.certificate import read_certificate
+from lmic.certify.certificate_file import read_certificate
 from lmic.certify.region import inside, region
 from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement

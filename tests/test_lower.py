@@ -18,9 +18,11 @@ from click.testing import CliRunner
 from lmic import library
 from lmic.certify import certify as certifying
 from lmic.certify.candidates import in_multiprecision
-from lmic.certify.certificate import Certificate, Standing, parsed, text
-from lmic.certify.certify import blank, certify, exact_problems
+from lmic.certify.certificate import Certificate, Standing
+from lmic.certify.certificate_file import parsed, text
+from lmic.certify.certify import certify
 from lmic.certify.dual import bounded_dual, exact_dual
+from lmic.certify.ends import blank, exact_problems
 from lmic.certify.face import compressed
 from lmic.certify.finite import FiniteLMI, FiniteProblem
 from lmic.certify.lower import Dual, bounded_lower_bound, lower_bound

@@ -17,7 +17,7 @@ import sympy as sp
 
 from lmic.bind import Binding
 from lmic.certify.certificate import Certificate
-from lmic.certify.certify import blank, lower_only, proven_or_point
+from lmic.certify.ends import blank, lower_only, proven_or_point
 from lmic.certify.verify import BUDGET
 from lmic.errors import CertificateError, LmicError, Place
 from lmic.pipeline import Result, finish, run

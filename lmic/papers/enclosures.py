@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from lmic.certify.certificate import Certificate, Standing, read_certificate
+from lmic.certify.certificate import Certificate, Standing
+from lmic.certify.certificate_file import read_certificate
 from lmic.certify.document import decimal, decimal_above, decimal_below
 from lmic.certify.verify import verify
 from lmic.errors import CertificateError
