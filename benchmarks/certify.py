@@ -17,7 +17,7 @@ from typing import Any
 
 from lmic.certify.certify import certify
 from lmic.certify.verify import verify
-from lmic.export import write_whole
+from lmic.files import write_whole
 from lmic.library import theorem
 from lmic.papers.cases import case_tables
 from lmic.pipeline import compile, run

@@ -11,7 +11,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from lmic.export import write_whole
+from lmic.files import write_whole
 from lmic.pages.report import embedded
 from lmic.pages.site import render
 

@@ -30,7 +30,7 @@ from comparators import Cvxpy, Picos, Tool, written
 from page import write_page
 from problems import Problem, filter_2d, gridded, multi_simplex, polytopic_filter
 
-from lmic.export import write_whole
+from lmic.files import write_whole
 from lmic.pages.report import machine
 from lmic.pipeline import finish, prepare
 from lmic.solve.solve import solve
