@@ -43,15 +43,15 @@ def write_page(folder: Path) -> Path:
 def plot_compile(found: dict[str, Any], path: Path) -> Path:
     figure, axes = plt.subplots(figsize=(7.5, 4.5), layout="constrained")
     growth = found["growth"]
-    lmis = [row["lmis"] for row in growth]
-    axes.loglog(lmis, [row["first"]["cpu"] for row in growth], MARKS["lmic"], label="lmic, first compile")
-    axes.loglog(lmis, [row["new grid"]["cpu"] for row in growth], "o:", color="C0", label="lmic, another grid")
-    axes.loglog(lmis[1:], [row["copy"]["cpu"] for row in growth[1:]], color="0.6", label="copying the arrays")
+    points = [row["points"] for row in growth]
+    axes.loglog(points, [row["first"]["cpu"] for row in growth], MARKS["lmic"], label="lmic, first compile")
+    axes.loglog(points, [row["new grid"]["cpu"] for row in growth], "o:", color="C0", label="lmic, another grid")
+    axes.loglog(points[1:], [row["copy"]["cpu"] for row in growth[1:]], color="0.6", label="copying the arrays")
     for color, name in (("C1", "CVXPY"), ("C2", "PICOS")):
         rows = [row for row in found["compared"] if row["series"].startswith("S1") and name in row]
         seconds = [row[name]["first"]["cpu"] for row in rows]
-        axes.loglog([row["lmis"] for row in rows], seconds, MARKS[name], color=color, label=name)
-    axes.set(xlabel="LMIs of S1 Theorem 3", ylabel="processor time / s")
+        axes.loglog([int(row["size"]) for row in rows], seconds, MARKS[name], color=color, label=name)
+    axes.set(xlabel="points of S1 Theorem 3", ylabel="processor time / s")
     return _saved(figure, axes, path)
 
 
@@ -60,8 +60,8 @@ def plot_solve(found: dict[str, Any], path: Path) -> Path:
     solved = found["solved"]
     for kind, mark in (("wall", "o-"), ("cpu", "o:")):
         label = {"wall": "wall time", "cpu": "processor time"}[kind]
-        axes.loglog([row["lmis"] for row in solved], [row[kind] for row in solved], mark, color="C0", label=label)
-    axes.set(xlabel="LMIs of S1 Theorem 3", ylabel="time to the optimum / s")
+        axes.loglog([row["points"] for row in solved], [row[kind] for row in solved], mark, color="C0", label=label)
+    axes.set(xlabel="points of S1 Theorem 3", ylabel="time to the optimum / s")
     return _saved(figure, axes, path)
 
 
