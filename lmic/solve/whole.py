@@ -74,7 +74,7 @@ def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES, 
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
     guide = None if near is None else data.matrix @ near + data.offset
     best, steps = passes_of(reduced, solver, passes, guide=guide)
-    doubtful = best.answer.status is Status.INFEASIBLE or (not best.answer.status.usable and best.step.violation > 1e-6)
+    doubtful = best.answer.status in (Status.INFEASIBLE, Status.FAILED)
     if doubtful:
         feasible = margin(problem, solver, passes)
         if feasible.value <= NO_MARGIN:
