@@ -25,7 +25,7 @@ from lmic.sweeps.sweep import sweep
 LMIC = Path(sys.executable).with_name("lmic")
 FILTER = "peixoto2025.theorem1"
 EXAMPLE_2 = root() / "peixoto2025" / "example2.toml"
-RHO, EPS = [str(rho) for rho in range(1, 9)], [str(eps) for eps in range(1, 9)]
+RHO, EPS = [str(rho) for rho in range(1, 9)], [str(eps) for eps in range(1, 25)]
 POINTS = {(rho, eps) for rho in RHO for eps in EPS}
 WORDS = ["--over", f"rho={','.join(RHO)}", "--over", f"eps={','.join(EPS)}", "--jobs", "2"]
 

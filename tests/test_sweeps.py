@@ -26,6 +26,7 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
+from lmic.solve.clarabel import Clarabel
 from lmic.solve.neighbour import solve_near
 from lmic.solve.solve import solve
 from lmic.sweeps import work
@@ -485,7 +486,7 @@ def test_a_neighbour_that_is_none_is_left_aside(slack: np.ndarray) -> None:
     filter_, plant = lmic.theorem("peixoto2025.theorem1"), read_plant(EXAMPLE_2)
     problem = compile(filter_, plant, {"rho": 10, "eps": 2})
     assert len(problem.offset) == 342
-    assert solve_near(problem, slack) is None
+    assert solve_near(problem, slack, Clarabel()) is None
     assert solve(problem, near=slack).value == pytest.approx(1.584912454**2, rel=1e-8)
 
 

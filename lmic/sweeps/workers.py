@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import threading
@@ -67,6 +68,17 @@ def _watch(master: int) -> None:
 
 
 @contextmanager
+def _no_collection() -> Iterator[None]:
+    """A client that found no scheduler closes itself when it is collected: never while another one holds Dask's lock."""
+    gc.collect()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+@contextmanager
 def cluster(address: str) -> Iterator[Workers]:
     """The workers of the Dask scheduler at an address such as tcp://host:8786."""
     try:
@@ -74,7 +86,8 @@ def cluster(address: str) -> Iterator[Workers]:
     except ImportError as error:
         raise SweepError("a cluster needs Dask: pip install 'lmic[cluster]', here and on every worker") from error
     try:
-        client = Client(address, timeout=TIMEOUT)
+        with _no_collection():
+            client = Client(address, timeout=TIMEOUT)
     except (OSError, ValueError) as error:
         raise SweepError(
             f"no scheduler answers at {address}; start one with 'dask scheduler' and give its address"
