@@ -69,7 +69,7 @@ def _watch(master: int) -> None:
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """A client that found no scheduler closes itself when it is collected: never while another one holds Dask's lock."""
+    """A client that found no scheduler closes itself when collected: never while another holds Dask's lock."""
     gc.collect()
     gc.disable()
     try:
