@@ -85,9 +85,9 @@ class Certificate:
 
     @property
     def standing(self) -> Standing:
-        """What is proven: of the reported values, or that there is no solution."""
+        """What is proven: of the reported values, or that there is no solution, not even one of a tiny margin."""
         if self.infeasible is not None:
-            return Standing.CERTIFIED
+            return Standing.NUMERICAL if self.infeasible.margin else Standing.CERTIFIED
         if self.upper is None:
             return Standing.NUMERICAL
         return Standing.GRID if self.upper.functionals else Standing.CERTIFIED

@@ -77,10 +77,10 @@ def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES, 
     doubtful = best.answer.status in (Status.INFEASIBLE, Status.FAILED)
     if doubtful:
         feasible = margin(problem, solver, passes)
-        if feasible.value <= NO_MARGIN:
+        if feasible.bound <= NO_MARGIN:
             found = _without_answer(problem, Status.INFEASIBLE, solver, unseen, steps)
             return replace(found, dual=feasible.dual)
-        if np.isfinite(feasible.x).all():
+        if feasible.value > NO_MARGIN and np.isfinite(feasible.x).all():
             # there is a point after all: begin again in its coordinates
             slack = data.matrix @ feasible.x + data.offset
             best, more = passes_of(reduced, solver, passes, guide=slack)
@@ -138,7 +138,7 @@ def _feasibility(problem: ConeProblem, solver: ConeSolver, passes: int) -> Solut
     )
     if _strictly_feasible(problem, found.x):
         return replace(measured, status=Status.SOLVED, value=0.0, bound=0.0, price=0.0, warnings=())
-    if found.value <= NO_MARGIN:
+    if found.bound <= NO_MARGIN:
         return replace(measured, status=Status.INFEASIBLE, warnings=(Status.INFEASIBLE.advice,))
     doubt = f"the largest margin found is {found.value:.1e}, and positive definiteness does not stand out from rounding"
     return replace(measured, status=Status.ALMOST, value=0.0, bound=0.0, price=0.0, warnings=(doubt,))
