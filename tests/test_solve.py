@@ -14,7 +14,8 @@ from lmic import library
 from lmic.errors import RecoveryError
 from lmic.pipeline import compile, finish, prepare, run
 from lmic.plants.files import read_plant
-from lmic.plants.plant import Plant
+from lmic.plants.plant import Plant, exact_array
+from lmic.polynomials import MatrixPolynomial
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeAnswer, ConeData, Status
 from lmic.solve.lineality import lineality
@@ -161,3 +162,20 @@ def test_diverging_unknowns_are_not_mistaken_for_an_infimum() -> None:
     """Example 2 with ρ = 1 has flat directions along which the unknowns grow; its optimum is attained."""
     plant = read_plant(library.root() / "peixoto2025" / "example2.toml")
     assert solve(compile(library.theorem("peixoto2025.theorem1"), plant, {"rho": 1, "eps": 2})).attained
+
+
+def test_a_search_for_the_margin_that_ends_early_claims_nothing() -> None:
+    """A point without a margin, and a dual that bounds none, do not show that there is no better point."""
+
+    class Lost:
+        name = "lost"
+
+        def __call__(self, data: ConeData, rough: bool = False) -> ConeAnswer:
+            y = np.zeros(len(data.cost))
+            y[-1] = -1.0  # the margin
+            return ConeAnswer(Status.FAILED, y, data.matrix @ y + data.offset, np.zeros(len(data.offset)), 1, "lost")
+
+    matrices = {"A": MatrixPolynomial.constant(exact_array([[-1, 3], [0, -2]], "A"))}
+    problem = compile(library.theorem("standard.stability_continuous"), Plant(matrices, name="stable"))
+    assert solve(problem, Clarabel()).status is Status.SOLVED
+    assert solve(problem, Lost(), passes=1).status is not Status.INFEASIBLE
