@@ -42,6 +42,12 @@ def weights(order: int) -> Array:
     return found
 
 
+def identity(order: int) -> Array:
+    """svec of the identity."""
+    rows, cols = triangle(order)
+    return (rows == cols).astype(float)
+
+
 def unpack(packed: Array, order: int) -> Array:
     """Symmetric matrices of packed entries (without √2), shape (..., order, order)."""
     rows, cols = triangle(order)

@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic import svec
 from lmic.assemble import ConicProblem
 from lmic.certify.statement import fractions, from_flint, to_flint
 from lmic.errors import CertificateError
@@ -22,7 +23,6 @@ from lmic.solve.cone import ConeData, ConeSolver
 from lmic.solve.lineality import lineality
 from lmic.solve.scaling import Scaling, slack_matrices
 from lmic.solve.solution import ABSOLUTE, Solution
-from lmic.solve.whole import svec_identity
 
 Array: TypeAlias = NDArray[Any]
 
@@ -73,7 +73,7 @@ def _centred(problem: ConicProblem, solution: Solution) -> tuple[ConeData, Scali
     data = replace(whole, cost=whole.cost[kept], matrix=whole.matrix[:, kept])
     slack = whole.matrix @ solution.x + whole.offset
     scaled, transform = scaling.rescaled(data, slack)
-    identity = np.concatenate([svec_identity(int(order)) for order in problem.orders])
+    identity = np.concatenate([svec.identity(int(order)) for order in problem.orders])
     centred = replace(scaled, offset=scaling.scaled_slack(slack, transform, problem.orders))
     return centred, transform, kept, identity
 

@@ -29,8 +29,8 @@ from lmic.sampling import cover
 from lmic.simulate.discrete import simulate_discrete
 from lmic.simulate.plane import simulate_plane
 from lmic.simulate.trajectory import Trajectory
+from lmic.solve.passes import TRUSTED_VIOLATION
 from lmic.solve.solution import Solution
-from lmic.solve.whole import TRUSTED_VIOLATION
 from lmic.sweeps.sweep import sweep
 from lmic.sweeps.swept import Swept
 

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from lmic.solve import scaling
 from lmic.solve.cone import ConeData, ConeProblem, ConeSolver
+from lmic.solve.passes import passes_of
 from lmic.solve.solution import Solution
-from lmic.solve.whole import judged, passes_of
+from lmic.solve.whole import judged
 
 Array: TypeAlias = NDArray[Any]
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from lmic.assemble import ConicProblem
 from lmic.solve.cone import ConeSolver, Status
+from lmic.solve.passes import PASSES, TRUSTED_VIOLATION
 from lmic.solve.scaling import slack_matrices
 from lmic.solve.solution import Pass, Solution
-from lmic.solve.whole import PASSES, TRUSTED_VIOLATION, solve_whole
+from lmic.solve.whole import solve_whole
 
 Array: TypeAlias = NDArray[Any]
 
@@ -86,6 +87,7 @@ def complete(problem: ConicProblem, active: Array, found: Solution) -> Solution:
     inactive_worst = worst not in active
     return replace(
         found,
+        on_face=None,  # it knows nothing of the others
         relative_violation=min(found.relative_violation, float(least[worst]) if inactive_worst else 0.0),
         worst=problem.label(worst) if inactive_worst else found.worst,
         dual=_spread_dual(problem, active, found.dual),

@@ -16,8 +16,9 @@ from lmic.solve import scaling
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData, ConeProblem, ConeSolver
 from lmic.solve.lineality import lineality
+from lmic.solve.passes import passes_of, svec_diagonal
 from lmic.solve.solution import Solution
-from lmic.solve.whole import judged, passes_of, svec_diagonal
+from lmic.solve.whole import judged
 
 Array: TypeAlias = NDArray[Any]
 

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 from numpy.typing import NDArray
 
 from lmic.solve.cone import Status
+from lmic.solve.face_optimum import FaceOptimum
 
 Array: TypeAlias = NDArray[Any]
 
@@ -33,6 +34,11 @@ class Pass:
     price: float
 
     @property
+    def gap(self) -> float:
+        """Distance between the objective and the dual bound, relative to the objective."""
+        return relative_uncertainty(self.value, self.bound, 0.0)
+
+    @property
     def uncertainty(self) -> float:
         """Distance from the dual bound to the objective with its price, relative to the objective."""
         return relative_uncertainty(self.value, self.bound, self.price)
@@ -49,7 +55,8 @@ class Solution:
     ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that
     LMI. ``attained`` is false where the objective falls with every bound on the unknowns that was tried.
     ``dual`` is svec of the dual matrices, row by row as in the problem. ``handovers`` say which solvers
-    failed before this one had an answer, and why.
+    failed before this one had an answer, and why. ``on_face`` is the optimum on a face of the
+    dual, where the answer was found there.
     """
 
     status: Status
@@ -67,6 +74,7 @@ class Solution:
     warnings: tuple[str, ...]
     attained: bool = True
     handovers: tuple[str, ...] = ()
+    on_face: FaceOptimum | None = None
 
     @property
     def iterations(self) -> int:
@@ -76,7 +84,7 @@ class Solution:
     @property
     def gap(self) -> float:
         """Distance between the objective and the dual bound, relative to the objective."""
-        return abs(self.value - self.bound) / max(abs(self.value), ABSOLUTE)
+        return relative_uncertainty(self.value, self.bound, 0.0)
 
     @property
     def uncertainty(self) -> float:

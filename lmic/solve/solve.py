@@ -14,9 +14,10 @@ from lmic.solve.attainment import with_attainment
 from lmic.solve.cone import ConeProblem, ConeSolver, Status
 from lmic.solve.exchange import complete, implying_lmis, solve_by_exchange
 from lmic.solve.neighbour import solve_near
+from lmic.solve.passes import PASSES
 from lmic.solve.registry import solvers
 from lmic.solve.solution import Solution
-from lmic.solve.whole import PASSES, solve_whole
+from lmic.solve.whole import solve_whole
 
 Array: TypeAlias = NDArray[Any]
 

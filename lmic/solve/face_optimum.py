@@ -1,0 +1,97 @@
+"""The optimum on a face of the dual, and what lies strictly inside near it: points of all LMIs, and dual matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+import scipy.sparse as sps
+from numpy.typing import NDArray
+
+from lmic import svec
+from lmic.solve.cone import ConeData, ConeSolver
+from lmic.solve.recession import Reduction
+from lmic.solve.scaling import initial, slack_matrices
+
+Array: TypeAlias = NDArray[Any]
+
+#: shares of the objective at which a point well inside is looked for, in turn; thin problems have none at the larger
+SHARES = (1e-5, 1e-4, 1e-6, 1e-7)
+#: shares of that point which are mixed into the optimum, in turn
+MIXED = tuple(10 ** (power / 2) for power in range(-8, 1))
+#: a margin is at most this share of the diagonal entry, where the other matrix has none to speak of
+MOST = 1e-2
+
+
+@dataclass(frozen=True)
+class FaceOptimum:
+    """The core's ``x`` and ``dual`` (svec) at its optimum, whose objective is about ``size``.
+
+    They miss the cones and their equalities by rounding.
+    """
+
+    reduction: Reduction
+    x: Array
+    dual: Array
+    size: float
+
+    def points(self, share: float, solver: ConeSolver) -> Iterator[Array]:
+        """Points strictly inside all cones of the whole problem, the nearest to the optimum first.
+
+        They lie towards one that costs about ``share`` of the objective.
+        """
+        x = inside(self.reduction.core, self.x, self.dual, share * self.size, solver)
+        for mixed in MIXED:
+            try:
+                yield self.reduction.lifted((1 - mixed) * self.x + mixed * x)
+            except np.linalg.LinAlgError:  # outside the core's own cones: more of the other
+                continue
+
+    def dual_matrices(self, share: float, solver: ConeSolver) -> list[Array]:
+        """Positive definite W on the face whose bound is about ``share`` of the objective below the optimum."""
+        core = self.reduction.core
+        slack = core.matrix @ self.x + core.offset
+        return slack_matrices(inside_dual(core, slack, self.dual, share * self.size, solver), core.orders)
+
+
+def inside(core: ConeData, x: Array, dual: Array, price: float, solver: ConeSolver) -> Array:
+    """A point strictly inside the cones at the price of so much of the objective, from the optimum and its dual.
+
+    It is a step from ``x``, in coordinates in which all slacks have unit diagonal: some may vanish at the optimum.
+    """
+    slack = core.matrix @ x + core.offset
+    margin = _margin(slack, dual, core.orders, price)
+    units = []
+    for own, moved in zip(slack_matrices(slack, core.orders), slack_matrices(margin, core.orders), strict=True):
+        root = 1 / np.sqrt(np.maximum(np.diag(own), np.diag(moved)))
+        rows, cols = svec.triangle(len(root))
+        units.append(root[rows] * root[cols])
+    unit = np.concatenate(units)
+    step = replace(core, matrix=sps.csc_array(sps.diags_array(unit) @ core.matrix), offset=unit * (slack - margin))
+    scaled, transform = initial(step)
+    return x + transform.x(solver(scaled).y)
+
+
+def inside_dual(core: ConeData, slack: Array, dual: Array, price: float, solver: ConeSolver) -> Array:
+    """svec of positive definite dual matrices whose bound is so much lower, likewise."""
+    margin = _margin(dual, slack, core.orders, price)
+    scaled, _ = initial(replace(core, cost=core.cost - core.matrix.T @ margin))
+    return solver(scaled).z + margin
+
+
+def _margin(own: Array, other: Array, orders: Array, price: float) -> Array:
+    """svec of diagonal matrices to keep ``own`` away from the boundary, paid for in equal parts.
+
+    As on the central path an entry of the one matrix is the inverse of the other's, but no more than a share of
+    what it is, where the other hardly counts.
+    """
+    share = price / float(orders.sum())
+    parts = []
+    for mine, theirs in zip(slack_matrices(own, orders), slack_matrices(other, orders), strict=True):
+        opposite = np.maximum(np.diag(theirs), np.finfo(float).tiny)
+        most = np.maximum(MOST * np.diag(mine), share / float(opposite.max()))
+        rows, cols = svec.triangle(len(mine))
+        parts.append(np.where(rows == cols, np.minimum(share / opposite, most)[rows], 0.0))
+    return np.concatenate(parts)

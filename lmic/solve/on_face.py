@@ -1,0 +1,65 @@
+"""Solve on a face of the dual, and come back to a point inside all cones (see :mod:`lmic.solve.recession`)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lmic.solve import scaling
+from lmic.solve.cone import ConeData, ConeSolver, Status
+from lmic.solve.face_optimum import SHARES, FaceOptimum
+from lmic.solve.passes import SETTLED, Candidate, candidate_of, passes_of, svec_diagonal, worst_of
+from lmic.solve.recession import reduction
+from lmic.solve.solution import ABSOLUTE, Pass
+
+Array: TypeAlias = NDArray[Any]
+
+#: a point inside all cones is near enough to the optimum at this merit
+NEAR = 1e-6
+
+
+def solve_on_face(data: ConeData, solver: ConeSolver, passes: int) -> tuple[Candidate, tuple[Pass, ...]] | None:
+    """The answer of a problem whose columns are independent; None where no face is found or it gives no answer."""
+    faces = reduction(data, solver)
+    if faces is None:
+        return None
+    core, steps = _solved(faces.core, solver, passes)
+    if not core.answer.status.usable:
+        return None
+    optimum = FaceOptimum(faces, core.x, core.dual, max(abs(core.step.value), ABSOLUTE))
+    found: list[Candidate] = []
+    for share in SHARES:
+        for x in optimum.points(share, solver):
+            found.append(_lifted(data, optimum, core, x))
+            if found[-1].step.violation == 0.0:
+                break
+        if found and _best(found).merit <= NEAR:
+            break
+    return (_best(found), steps) if found else None
+
+
+def _best(found: list[Candidate]) -> Candidate:
+    return min(found, key=lambda one: one.merit)
+
+
+def _solved(core: ConeData, solver: ConeSolver, passes: int) -> tuple[Candidate, tuple[Pass, ...]]:
+    """In sparse coordinates, which do for a problem with an interior on both sides; else with all passes."""
+    scaled, transform = scaling.initial(core)
+    first = candidate_of(core, scaled, transform, solver(scaled))
+    # no more is asked of this point than its gap: LMIs that vanish here are given a margin of their own
+    if first.step.gap <= SETTLED or not scaling.affordable(core):
+        return first, (first.step,)
+    best, steps = passes_of(core, solver, passes)
+    return min(first, best, key=lambda one: one.step.gap), (first.step, *steps)
+
+
+def _lifted(data: ConeData, optimum: FaceOptimum, core: Candidate, x: Array) -> Candidate:
+    """The candidate at a point of the whole problem; what bounds the core bounds the whole."""
+    slack, dual = data.matrix @ x + data.offset, optimum.reduction.dual(core.dual)
+    violation = max(0.0, -worst_of(slack, slack, data.orders, np.zeros(len(data.orders)))[1])
+    price = violation * float(svec_diagonal(slack, data.orders) @ dual)
+    step = replace(core.step, value=float(data.cost @ x), violation=violation, price=price)
+    return Candidate(step, replace(core.answer, status=Status.SOLVED), x, slack, dual, optimum)
