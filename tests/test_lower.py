@@ -160,7 +160,7 @@ def test_an_irrational_face_is_bounded_for_bounded_unknowns() -> None:
     second = [[[1, 0], [0, 1]], [[0, 0], [0, 0]], [[1, root], [root, root**2]]]
     problem = problem_of([first, second], [1, 0])
     near = [fractions([[1, -0.5], [-0.5, 0.25 + 1e-12]]), fractions(1e-14 * np.eye(2))]
-    dual, bound = bounded_dual(problem, near, Fraction(1000))
+    dual, bound = bounded_dual(problem, near, Fraction(1000), np.zeros(0, dtype=int))
     assert Fraction(1, 2) - Fraction(1, 10**6) < bound < Fraction(1, 2)
     assert bounded_lower_bound(problem, dual, Fraction(1000)) == bound
 

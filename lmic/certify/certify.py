@@ -89,7 +89,7 @@ def _attempted(
         notes.append(f"no upper bound is proven: {error}")
     if result.theorem.minimise is not None:
         try:
-            found = with_lower(found, result.theorem, every, candidates.duals)
+            found = with_lower(found, result, every, candidates.duals)
         except LmicError as error:
             notes.append(f"no lower bound is proven: {error}")
     return replace(found, notes=tuple(notes))

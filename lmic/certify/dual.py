@@ -71,21 +71,24 @@ def exact_dual(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Dual,
     raise reason
 
 
-def bounded_dual(problem: FiniteProblem, matrices: Sequence[Array], radius: Fraction) -> tuple[Dual, Fraction]:
+def bounded_dual(
+    problem: FiniteProblem, matrices: Sequence[Array], radius: Fraction, grown: Array
+) -> tuple[Dual, Fraction]:
     """Dual matrices near given ones, and the bound that they prove for unknowns up to ``radius`` in size.
 
-    For where the exact ones are singular in directions that are not rational. Raises CertificateError
-    where none prove anything.
+    For where the exact ones are singular in directions that are not rational. ``grown`` are the unknowns
+    that reach the bound: what their equalities miss is its price. Raises CertificateError where none prove
+    anything.
     """
     found: list[tuple[Dual, Fraction]] = []
-    near = [_rounded(matrix, BITS[-1]) for matrix in _corrected(problem, matrices)[1]]
-    # a share of one: the given ones as they are, where the bound on the unknowns binds
-    for shift in (Fraction(1), *MIXED):
-        # mixed with the given ones, which are positive definite
-        mixed = [(1 - shift) * one + shift * other for one, other in zip(near, matrices, strict=True)]
-        dual = Dual(tuple(_rounded(matrix, BITS[0]) for matrix in mixed), (None,) * len(mixed), ())
-        with suppress(CertificateError):
-            found.append((dual, bounded_lower_bound(problem, dual, radius)))
+    for free in (grown, np.zeros(0, dtype=int)):
+        near = [_rounded(matrix, BITS[-1]) for matrix in _corrected(problem, matrices, free)[1]]
+        for shift in (Fraction(0), *MIXED):
+            # mixed with the given ones, which are positive definite
+            mixed = [(1 - shift) * one + shift * other for one, other in zip(near, matrices, strict=True)]
+            dual = Dual(tuple(_rounded(matrix, BITS[0]) for matrix in mixed), (None,) * len(mixed), ())
+            with suppress(CertificateError):
+                found.append((dual, bounded_lower_bound(problem, dual, radius)))
     if not found:
         raise CertificateError("no positive definite dual matrices were found near the solver's")
     return max(found, key=lambda one: one[1])
@@ -133,9 +136,11 @@ def _face(before: Array, after: Array) -> Array | None:
         return face_of(flint.arb_mat(to_flint(before)), flint.arb_mat(to_flint(after)))
 
 
-def _corrected(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Array, list[Array]]:
-    """The unknowns whose columns are independent, and Z + Σ_i y_i Z F_i Z, which meets their equalities."""
-    kept = lineality(svec_columns(problem)).kept
+def _corrected(
+    problem: FiniteProblem, matrices: Sequence[Array], free: Sequence[int] | Array = ()
+) -> tuple[Array, list[Array]]:
+    """Independent unknowns that are not ``free``, and Z + Σ_i y_i Z F_i Z, which meets their equalities."""
+    kept = np.setdiff1d(lineality(svec_columns(problem)).kept, free)
     with flint.ctx.workprec(PRECISION):  # balls lose digits at any lower precision
         miss = misses(problem, matrices)[kept]
     metric = _metric(problem, matrices, kept)

@@ -9,6 +9,7 @@ from fractions import Fraction
 from importlib.metadata import version
 from typing import Any, TypeAlias
 
+import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
@@ -35,11 +36,12 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_number
 from lmic.relax.family import Soundness
 from lmic.relax.relax import Relaxation
+from lmic.solve.attainment import RADII, REACHED
 
 Array: TypeAlias = NDArray[Any]
 
 #: bound on the unknowns for which a lower end is proven where no exact dual is found
-RADIUS = Fraction(10**6)
+RADIUS = Fraction(RADII[-1])
 
 
 def blank(
@@ -202,7 +204,7 @@ def exact_problems(certificate: Certificate, result: Result, relaxation: Relaxat
 
 
 def with_lower(
-    certificate: Certificate, theorem: Theorem, every: Sequence[Functional], duals: Iterable[DualCandidate]
+    certificate: Certificate, result: Result, every: Sequence[Functional], duals: Iterable[DualCandidate]
 ) -> Certificate:
     """With the first dual that can be made exact, or else the best one for unknowns of bounded size.
 
@@ -218,16 +220,17 @@ def with_lower(
             tried.append(candidate)
         else:
             mine = tuple(every[k] for k in candidate.chosen)
-            return replace(certificate, lower=Lower(_lower_reports(theorem, bound), mine, dual))
+            return replace(certificate, lower=Lower(_lower_reports(result.theorem, bound), mine, dual))
+    grown = np.flatnonzero(np.abs(result.solution.x) >= REACHED * float(RADIUS))
     bounded = []
     for candidate in tried:
         with suppress(CertificateError):
-            dual, bound = bounded_dual(candidate.problem, candidate.matrices, RADIUS)
+            dual, bound = bounded_dual(candidate.problem, candidate.matrices, RADIUS, grown)
             bounded.append((bound, dual, tuple(every[k] for k in candidate.chosen)))
     if not bounded:
         raise reason
     bound, dual, mine = max(bounded, key=lambda found: found[0])
-    return replace(certificate, lower=Lower(_lower_reports(theorem, bound), mine, dual, RADIUS))
+    return replace(certificate, lower=Lower(_lower_reports(result.theorem, bound), mine, dual, RADIUS))
 
 
 def _lower_reports(theorem: Theorem, bound: Fraction) -> dict[str, Fraction]:
@@ -245,4 +248,4 @@ def lower_only(certificate: Certificate, result: Result, relaxation: Relaxation)
     """The certificate with a lower end from double precision."""
     every, exact = exact_problems(certificate, result, relaxation)
     candidates = in_double_precision(result, exact)
-    return with_lower(replace(certificate, solver=candidates.solver), result.theorem, every, candidates.duals)
+    return with_lower(replace(certificate, solver=candidates.solver), result, every, candidates.duals)
