@@ -17,13 +17,13 @@ from lmic.language.declarations import (
     given,
     inv,
     kron,
-    star,
     trace,
     zeros,
 )
 from lmic.language.lmi import ND, PD
 from lmic.language.parameters import Box, Parameter, Simplex
 from lmic.language.source import Source
+from lmic.language.star import star
 from lmic.language.systems import (
     Bound,
     ContinuousSystem,

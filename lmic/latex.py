@@ -6,9 +6,9 @@ from typing import Any
 
 import sympy as sp
 
-from lmic.language.declarations import Star
 from lmic.language.lmi import LMI
 from lmic.language.nodes import Node
+from lmic.language.star import Star
 from lmic.language.theorem import Theorem
 
 

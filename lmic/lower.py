@@ -12,7 +12,6 @@ import sympy as sp
 from lmic.errors import AsymmetryError, DefinitionError, Place, ShapeError
 from lmic.expand import canonical
 from lmic.faults import Checked, demand
-from lmic.language.declarations import Star
 from lmic.language.lmi import LMI
 from lmic.language.nodes import (
     Block,
@@ -25,6 +24,7 @@ from lmic.language.nodes import (
     Trace,
     is_zero,
 )
+from lmic.language.star import Star
 from lmic.language.theorem import Theorem
 
 Size: TypeAlias = sp.Expr

@@ -131,17 +131,3 @@ def diag(*blocks: Any) -> Block:
 def dot(matrix: Leaf) -> Leaf:
     """dX/dt along the parameter's trajectory, Σ ∂X/∂ρᵢ ρ̇ᵢ (continuous time)."""
     return matrix.dot()
-
-
-class Star:
-    """Marks a block that symmetry gives."""
-
-    def __repr__(self) -> str:
-        return "star"
-
-    def __reduce__(self) -> str:
-        """Pickled by its name, so that there is only one."""
-        return "star"
-
-
-star = Star()

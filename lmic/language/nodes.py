@@ -16,6 +16,7 @@ from sympy.printing.precedence import PRECEDENCE
 
 from lmic.errors import DefinitionError
 from lmic.language.parameters import Parameter
+from lmic.language.star import Star
 
 
 def exact(value: Any) -> sp.Expr:
@@ -96,6 +97,8 @@ def as_node(value: Any) -> Node:
     """The value as a matrix expression, or DefinitionError."""
     if isinstance(value, Node):
         return value
+    if isinstance(value, Star):
+        value.refuse()
     raise DefinitionError(
         f"'{value}' is used as a matrix but is a {type(value).__name__}; write {value}*I(n) for a multiple of the "
         "identity, or a bare 0 or star as a block"
