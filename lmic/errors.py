@@ -44,8 +44,8 @@ class LmicError(Exception):
 class DefinitionError(LmicError):
     """A theorem file does not state a theorem (missing name, bad block list, faulty Python).
 
-    Where the parts of a :class:`~lmic.language.theorem.Theorem` contradict one another, ``theorem`` is
-    what was stated and ``faults`` is everything that is wrong with it.
+    Where a :class:`~lmic.language.theorem.Theorem` cannot be made, ``faults`` is everything that is wrong with it,
+    and ``theorem`` what was stated, if that much is in order.
     """
 
     theorem: Any = None

@@ -89,7 +89,8 @@ def lowered(lmi: LMI, place: Place) -> Checked[SymbolicLMI]:
 def check_formulas(theorem: Theorem) -> Checked[None]:
     """Shapes in what is recovered, promised and assumed."""
     for part, node in theorem.formulas:
-        yield from shape_faults(node, Place(theorem.name, part=part))
+        if isinstance(node, Node):
+            yield from shape_faults(node, Place(theorem.name, part=part))
 
 
 def _add_entry(entries: Entries, i: int, j: int, entry: Any, place: Place) -> Checked[None]:

@@ -15,19 +15,8 @@ if TYPE_CHECKING:
     from lmic.language.theorem import Theorem
 
 
-def contradictions(theorem: Theorem) -> Iterator[DefinitionError]:
-    """Every contradiction, each at its part of the theorem."""
-    malformed = list(_malformed(theorem))
-    yield from malformed
-    if not malformed:
-        yield from _ambiguous_names(theorem)
-        yield from _foreign_scalars(theorem)
-        yield from _foreign_unknowns(theorem)
-        yield from _missing_reports(theorem)
-
-
-def _malformed(theorem: Theorem) -> Iterator[DefinitionError]:
-    """Parts that are not what they should be; with one of these nothing else can be looked at."""
+def malformations(theorem: Theorem) -> Iterator[DefinitionError]:
+    """LMIs and scalars that are none; with one of these nothing else can be looked at."""
     if not isinstance(theorem.lmis, Mapping) or not theorem.lmis:
         yield DefinitionError("the theorem states no LMI; give lmis={'name': PD([[...]])}")
         return
@@ -37,20 +26,28 @@ def _malformed(theorem: Theorem) -> Iterator[DefinitionError]:
                 f"the LMI '{name}' is a {type(lmi).__name__}; wrap its block rows in PD(...) or ND(...)",
                 Place(lmi=name),
             )
+    for part, expression in _scalars(theorem).items():
+        if isinstance(expression, (str, Node)) or not _is_scalar(expression):
+            yield DefinitionError(
+                f"'{part[-1]}' is {expression!r}; give a scalar expression such as mu or sqrt(mu)", Place(part=part)
+            )
+
+
+def contradictions(theorem: Theorem) -> Iterator[DefinitionError]:
+    """Everything else that does not go together, each at its part of the theorem."""
+    for part, node in theorem.formulas:
+        if not isinstance(node, Node):
+            yield DefinitionError(f"{node!r} is no matrix; write an expression or zeros(n, m)", Place(part=part))
     for key, variant in theorem.variants.items():
         if not all(isinstance(leaf, Leaf) for leaf in (*variant.constant, *variant.full)):
             yield DefinitionError(
                 f"the variant '{key}' names its unknowns by text; give the unknowns themselves",
                 Place(part=("variants", key)),
             )
-    for part, expression in _scalars(theorem).items():
-        if isinstance(expression, (str, Node)) or not _is_scalar(expression):
-            yield DefinitionError(
-                f"'{part[-1]}' is {expression!r}; give a scalar expression such as mu or sqrt(mu)", Place(part=part)
-            )
-    for part, node in theorem.formulas:
-        if not isinstance(node, Node):
-            yield DefinitionError(f"{node!r} is no matrix; write an expression or zeros(n, m)", Place(part=part))
+    yield from _ambiguous_names(theorem)
+    yield from _foreign_scalars(theorem)
+    yield from _foreign_unknowns(theorem)
+    yield from _missing_reports(theorem)
 
 
 def _ambiguous_names(theorem: Theorem) -> Iterator[DefinitionError]:
@@ -84,7 +81,7 @@ def _foreign_scalars(theorem: Theorem) -> Iterator[DefinitionError]:
         foreign = sp.sympify(expression).free_symbols - known - set(theorem.givens)
         if foreign:
             yield DefinitionError(
-                f"{expression} uses {min(map(str, foreign))}, which occurs in no LMI; use scalar unknowns of the LMIs",
+                f"{min(map(str, foreign))} occurs in no LMI, so that nothing determines it; use scalars of the LMIs",
                 Place(part=part),
             )
 
@@ -92,7 +89,7 @@ def _foreign_scalars(theorem: Theorem) -> Iterator[DefinitionError]:
 def _foreign_unknowns(theorem: Theorem) -> Iterator[DefinitionError]:
     """Formulas are made of unknowns of the LMIs."""
     for part, node in theorem.formulas:
-        for leaf in node.leaves():
+        for leaf in node.leaves() if isinstance(node, Node) else ():
             if leaf.role == "unknown" and leaf.name not in theorem.arguments:
                 yield DefinitionError(
                     f"{leaf} occurs in no LMI, so that nothing determines it; use the unknowns of the LMIs",

@@ -100,8 +100,8 @@ def as_node(value: Any) -> Node:
     if isinstance(value, Star):
         value.refuse()
     raise DefinitionError(
-        f"'{value}' is used as a matrix but is a {type(value).__name__}; write {value}*I(n) for a multiple of the "
-        "identity, or a bare 0 or star as a block"
+        f"'{value}' is used as a matrix but is of type {type(value).__name__}; write {value}*I(n) for a multiple "
+        "of the identity, or a bare 0 or star as a block"
     )
 
 

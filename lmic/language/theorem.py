@@ -9,7 +9,7 @@ from functools import cached_property
 import sympy as sp
 
 from lmic.errors import DefinitionError
-from lmic.language.contradictions import contradictions
+from lmic.language.contradictions import contradictions, malformations
 from lmic.language.declarations import Given, ScalarUnknown
 from lmic.language.lmi import LMI
 from lmic.language.nodes import Leaf, Node
@@ -68,10 +68,11 @@ class Theorem:
     full: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        faults = list(contradictions(self))
+        malformed = list(malformations(self))
+        faults = malformed or list(contradictions(self))
         if faults:
             first = DefinitionError(faults[0].reason, faults[0].place)
-            first.theorem, first.faults = self, faults
+            first.theorem, first.faults = None if malformed else self, faults
             raise first
 
     def variant(self, key: str, name: str = "") -> Theorem:
@@ -114,7 +115,7 @@ class Theorem:
     @property
     def extras(self) -> list[Node]:
         """Matrix expressions outside the LMIs."""
-        return [node for _, node in self.formulas]
+        return [node for _, node in self.formulas if isinstance(node, Node)]
 
     def _declarations(self, role: str, nodes: Sequence[Node]) -> dict[str, Leaf]:
         leaves = [leaf for node in nodes for leaf in node.leaves() if leaf.role == role]
