@@ -29,7 +29,11 @@ def names() -> list[str]:
 
 
 def theorem(name: str | Path) -> Theorem:
-    """A theorem by library name or by path; raises LibraryError with the nearest names."""
+    """A theorem by library name, ``"peixoto2025.theorem1"``, or by path, ``"./my_theorem.py"``.
+
+    A variant goes by its own name in the library, and by ``"./my_theorem.py:robust"`` in a file. Raises LibraryError
+    with the nearest names where there is none, and DefinitionError with the line for a file that fails.
+    """
     place = locate(name)
     loaded = load_file(place.path)
     if not place.variant:

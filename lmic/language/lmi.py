@@ -20,12 +20,16 @@ class LMI:
 
 
 def PD(rows: Any) -> LMI:
-    """Positive definite: a list of block rows, or a single expression."""
+    """Positive definite: a list of block rows, ``PD([[P, A], [star, P]])``, or a single square expression.
+
+    A block is an expression, ``star`` or a bare 0; a scalar is a block of size 1. Shapes and symmetry are checked when
+    the theorem is lowered, and by ``lmic check``.
+    """
     return LMI(+1, _rows(rows))
 
 
 def ND(rows: Any) -> LMI:
-    """Negative definite: a list of block rows, or a single expression."""
+    """Negative definite: as :func:`PD`, with the other sign."""
     return LMI(-1, _rows(rows))
 
 
