@@ -222,3 +222,32 @@ def test_no_such_theorem(name: str, words: str) -> None:
     assert result.exit_code == 1
     assert words in result.stderr
     assert result.stdout == ""
+
+
+def test_files_that_are_more_than_a_list_of_statements(tmp_path: Path) -> None:
+    """Functions, loops, classes and names of one's own are run as they are written."""
+    text = HEAD + "\n".join(
+        [
+            "from lmic import dsl",
+            "def lmi(matrix):",
+            "    gain = 2*matrix",
+            "    return dsl.PD([[matrix, (sum := gain + matrix)], [star, sum]])",
+            "class Kept:",
+            "    Q = dsl.Symmetric('Q', n)",
+            "    stated = PD([[Q, 0], [star, Q]])",
+            "unknowns = [Symmetric(f'R{k}', n) for k in range(2)]",
+            "lmis = {f'R{k}': lmi(R) for k, R in enumerate(unknowns)} | {'Q': Kept.stated}",
+            "lmis['a'] = PD([*[[P(alpha), (A + G)*B]], [star, mu*I(m)]])",
+            "theorem = Theorem(lmis=lmis, " + TAIL,
+        ]
+    )
+    assert findings(text, tmp_path) == []
+    wrong = findings(text.replace("return dsl.PD([[matrix", "return dsl.PD([[G"), tmp_path)
+    assert [(one["line"], one["lmi"], one["block"]) for one in wrong] == [(10, "R0", [1, 1]), (10, "R1", [1, 1])]
+
+
+def test_a_plant_waits_for_a_sound_theorem(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(stated("[[G]]"), encoding="utf-8")
+    result = CliRunner().invoke(main, ["check", str(tmp_path / "mine.py"), "--plant", "plant.toml"])
+    assert result.exit_code == 1
+    assert "plant.toml is checked once the theorem has no fault" in result.stdout

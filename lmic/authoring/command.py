@@ -56,7 +56,8 @@ def check(name: str, plant: Path | None, sizes: tuple[str, ...], as_json: bool) 
     located = locate(name)
     dimensions = Choices(sizes=sizes).dimensions()
     checkup = examine(located)
-    if plant and checkup.theorem and checkup.sound:
+    stated = checkup.sound
+    if plant and stated and checkup.theorem:
         theorem = checkup.theorem.variant(located.variant) if located.variant else checkup.theorem
         found = check_plant(replace(theorem, name=located.name), plant, dimensions)
         checkup = replace(checkup, findings=[*checkup.findings, *found])
@@ -64,5 +65,7 @@ def check(name: str, plant: Path | None, sizes: tuple[str, ...], as_json: bool) 
         echo_json(display.record(checkup))
     else:
         display.print_checkup(checkup)
+        if plant and not stated:
+            click.echo(f"{plant} is checked once the theorem has no fault")
     if not checkup.sound:
         sys.exit(1)

@@ -168,7 +168,13 @@ class _Instrument(ast.NodeTransformer):
         self.execution.sites.append(node)
         return self._tell("__built__", len(self.execution.sites) - 1, node)
 
+    def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
+        """Left as it is: in a class a lambda does not see the names around it."""
+        return node
+
     def _later(self, function: str, entry: ast.expr) -> ast.expr:
+        if any(isinstance(part, (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)) for part in ast.walk(entry)):
+            return entry
         self.execution.entries.append(entry)
         nothing = ast.arguments(posonlyargs=[], args=[], kwonlyargs=[], kw_defaults=[], defaults=[])
         later = ast.copy_location(ast.Lambda(nothing, entry), entry)
