@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
 from lmic import library
+from lmic.authoring import display
 from lmic.authoring.checkup import check
 from lmic.authoring.execution import execute
 from lmic.cli import main
+from lmic.errors import LmicError
+from lmic.faults import demand
+from lmic.lower import lower
+from lmic.terms import objective, term_lists
 
 HEAD = """from lmic.dsl import *
 n, m = dims("n m")
@@ -251,3 +258,36 @@ def test_a_plant_waits_for_a_sound_theorem(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, ["check", str(tmp_path / "mine.py"), "--plant", "plant.toml"])
     assert result.exit_code == 1
     assert "plant.toml is checked once the theorem has no fault" in result.stdout
+
+
+PIECES = ["star", "A", "P", "0", "mu", ".T", "*", "+", "-", "[", "]", "(", ")", ",", "He(", "alpha", "None", "'x'", "n"]
+
+
+def mutated(text: str, random: Random) -> str:
+    """A file with one to three of its words removed, replaced by another, or joined by one."""
+    words = re.findall(r"\w+|\s+|[^\w\s]", text)
+    for _ in range(random.choice([1, 1, 2, 3])):
+        place = random.randrange(len(words))
+        words[place] = random.choice(["", random.choice(words), words[place] + random.choice(PIECES)])
+    return "".join(words)
+
+
+@pytest.mark.filterwarnings("ignore::SyntaxWarning")
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_sound_is_what_compiles(seed: int, tmp_path: Path) -> None:
+    """A file has no fault exactly where its LMIs can be lowered and split into terms."""
+    random, path = Random(seed), tmp_path / "mine.py"
+    texts = [file.read_text("utf-8") for name, file in library.files().items() if name.startswith("standard.")]
+    for _ in range(30):
+        path.write_text(mutated(random.choice(texts), random), encoding="utf-8")
+        checkup = check(library.locate(path))
+        assert not any("\n" in finding.reason for finding in checkup.findings)
+        display.record(checkup)
+        try:
+            theorem = library.load_file(path)
+            term_lists(lower(theorem))
+            demand(objective(theorem))
+        except LmicError:
+            assert not checkup.sound
+        else:
+            assert checkup.sound, checkup.findings

@@ -102,7 +102,12 @@ class _Examination:
                 return error.theorem, error.theorem.lmis
         if not self.execution.failures:
             self._add(DefinitionError("there is no theorem in the file; end it with theorem = Theorem(...)"), None)
-        return None, {f"line {call.lineno}": lmi for lmi, call in self.execution.calls if isinstance(lmi, LMI)}
+        lmis: dict[str, LMI] = {}
+        for lmi, call in self.execution.calls:
+            if isinstance(lmi, LMI):
+                same = sum(name.startswith(f"line {call.lineno}") for name in lmis)
+                lmis[f"line {call.lineno}" + (f", number {same + 1}" if same else "")] = lmi
+        return None, lmis
 
     def lmi(self, name: str, lmi: LMI) -> CheckedLMI:
         """Look at one LMI: its shape, its symmetry, its blocks, and whether they are affine."""
@@ -167,7 +172,8 @@ class _Examination:
         else:
             near = get_close_matches(str(getattr(error, "name", "")), self.execution.namespace, 1)
             mend = f"did you mean {near[0]}?" if near and isinstance(error, NameError) else "correct the line"
-            self._add(DefinitionError(f"{type(error).__name__}: {error}; {mend}", place), failure.line)
+            said = " ".join(str(error).split())
+            self._add(DefinitionError(f"{type(error).__name__}: {said}; {mend}", place), failure.line)
 
     def _add(self, fault: LmicError, line: int | None) -> None:
         place = replace(fault.place, theorem=self.name)

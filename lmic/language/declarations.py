@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import sympy as sp
 
-from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Trace, Zero
+from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Trace, Zero, as_size
 
 
 class SymbolicSize(sp.Symbol):
@@ -51,7 +51,8 @@ def Symmetric(name: str, size: Any, blocks: Sequence[Any] = ()) -> Leaf:
 
 def BlockDiagonal(name: str, *blocks: Any) -> Leaf:
     """A block-diagonal unknown with square blocks of the given sizes; its own size is their sum."""
-    return Leaf(name, sp.Add(*blocks), sp.Add(*blocks), "unknown", blocks=blocks)
+    size = sp.Add(*map(as_size, blocks))
+    return Leaf(name, size, size, "unknown", blocks=blocks)
 
 
 class NamedScalar(sp.Symbol):
