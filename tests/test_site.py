@@ -22,42 +22,45 @@ PAGES = ["index", "tutorial", "commands", "language", "python", "records", "theo
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Sphinx:
-    """Built as `make docs` builds it: a warning is an error."""
-    folder = tmp_path_factory.mktemp("site")
+def test_the_site_builds_without_a_warning_and_nothing_is_missing(tmp_path: Path) -> None:
+    """One test, since processes that share the tests would each build the site: as `make docs` does, strictly."""
     docs = str(ROOT / "docs")
-    app = Sphinx(docs, docs, str(folder / "html"), str(folder / "trees"), "html", warningiserror=True, status=None)
+    app = Sphinx(docs, docs, str(tmp_path / "html"), str(tmp_path / "trees"), "html", warningiserror=True, status=None)
     app.build()
     assert app.statuscode == 0
-    return app
+    every_public_name_is_described(app)
+    every_command_is_described(app)
+    every_theorem_is_linked(app)
+    for name in PAGES:
+        a_page_needs_no_network_and_its_links_lead_somewhere(name, app)
+    if CHROMIUM is not None:
+        a_browser_shows_the_page_without_complaint(CHROMIUM, "python", app)
 
 
 def page(site: Sphinx, name: str) -> str:
     return (Path(site.outdir) / f"{name}.html").read_text(encoding="utf-8")
 
 
-def test_every_public_name_is_described(site: Sphinx) -> None:
-    described = site.env.get_domain("py").objects  # type: ignore[attr-defined]
+def every_public_name_is_described(site: Sphinx) -> None:
+    described = site.env.get_domain("py").objects
     wanted = [f"lmic.{name}" for name in lmic.__all__] + [f"lmic.dsl.{name}" for name in dsl.__all__]
     assert [name for name in wanted if name not in described] == []
 
 
-def test_every_command_is_described(site: Sphinx) -> None:
+def every_command_is_described(site: Sphinx) -> None:
     text = page(site, "commands")
     for name, command in main.commands.items():
         assert f'id="lmic-{name}"' in text
         assert all(option.opts[0] in text for option in command.params if option.opts[0].startswith("--"))
 
 
-def test_every_theorem_is_linked(site: Sphinx) -> None:
+def every_theorem_is_linked(site: Sphinx) -> None:
     links = re.findall(r'href="gallery/([^"]*)\.html"', page(site, "theorems"))
     assert links == library.names()
     assert all((Path(site.outdir) / "gallery" / f"{name}.html").is_file() for name in links)
 
 
-@pytest.mark.parametrize("name", PAGES)
-def test_a_page_needs_no_network_and_its_links_lead_somewhere(name: str, site: Sphinx) -> None:
+def a_page_needs_no_network_and_its_links_lead_somewhere(name: str, site: Sphinx) -> None:
     text = page(site, name)
     loaded = re.findall(r'<(?:script|img|iframe|source)[^>]*src="([^"]*)"', text)
     loaded += re.findall(r'<link[^>]*rel="stylesheet"[^>]*href="([^"]*)"', text)
@@ -71,11 +74,8 @@ def test_a_page_needs_no_network_and_its_links_lead_somewhere(name: str, site: S
         assert not anchor or f'id="{anchor}"' in path.read_text(encoding="utf-8"), target
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
-@pytest.mark.parametrize("name", ["index", "python"])
-def test_a_browser_shows_the_page_without_complaint(name: str, site: Sphinx) -> None:
-    assert CHROMIUM is not None
-    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--dump-dom"]
+def a_browser_shows_the_page_without_complaint(chromium: str, name: str, site: Sphinx) -> None:
+    command = [chromium, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--dump-dom"]
     address = (Path(site.outdir) / f"{name}.html").as_uri()
     shown = subprocess.run([*command, address], capture_output=True, text=True, timeout=60, check=True)
     assert "<h1>" in shown.stdout
