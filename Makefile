@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: certificates gallery reproduce test test-all lint bench clean
+.PHONY: certificates docs gallery reproduce test test-all lint bench clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/lmic reproduce
@@ -20,7 +20,13 @@ lint: $(VENV)/installed-dev
 	$(BIN)/mypy
 
 gallery: $(VENV)/installed
-	$(BIN)/lmic gallery
+	$(BIN)/lmic gallery -o site/gallery
+
+# the site, with the gallery, and with the papers' report where make reproduce has made one; a warning fails
+docs: $(VENV)/installed-docs
+	rm -rf site
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --doctree-dir build/doctrees docs site
+	@echo site/index.html
 
 # minutes; make bench MODE= leaves nothing out and takes much longer, most of it in CVXPY and PICOS
 MODE := --quick
@@ -53,6 +59,10 @@ $(VENV)/installed: $(VENV)/bin/python pyproject.toml
 
 $(VENV)/installed-bench: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable ".[bench]"
+	touch $@ $(VENV)/installed
+
+$(VENV)/installed-docs: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable ".[docs]"
 	touch $@ $(VENV)/installed
 
 $(VENV)/installed-dev: $(VENV)/bin/python pyproject.toml

@@ -17,6 +17,7 @@ from problems import Problem
 from lmic.assemble import ConicProblem
 from lmic.bind import Binding
 from lmic.language.declarations import Star
+from lmic.language.lmi import LMI
 from lmic.language.nodes import (
     Block,
     Hermitian,
@@ -29,7 +30,6 @@ from lmic.language.nodes import (
     Zero,
 )
 from lmic.language.parameters import instance_symbol
-from lmic.language.theorem import LMI
 from lmic.relax.grid import grid_points
 from lmic.relax.relax import Relaxation, chosen_grid
 from lmic.relax.space import space

@@ -58,6 +58,8 @@ _HOME = {
     "write_problem": "lmic.interchange.formats",
 }
 
+__all__ = list(_HOME)
+
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:

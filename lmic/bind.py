@@ -22,6 +22,7 @@ from lmic.bases import Choice
 from lmic.domains import Domain
 from lmic.errors import DomainError, Place, PlantError
 from lmic.expand import Factor, Factors, Selector, Stacked, canonical
+from lmic.faults import Checked, demand
 from lmic.language.nodes import Inverse, Leaf
 from lmic.language.parameters import Parameter, instance_symbol, rate_symbol
 from lmic.language.theorem import Theorem
@@ -31,7 +32,7 @@ from lmic.parametric import ParametricLMI
 from lmic.plants.plant import Plant, exact_number
 from lmic.polynomials import MatrixPolynomial, Monomials, row_polynomial, scalar_polynomial
 from lmic.sizes import solve_sizes
-from lmic.terms import Term, TermList, affine_parts
+from lmic.terms import Term, TermList, objective
 
 Array: TypeAlias = NDArray[Any]
 
@@ -108,7 +109,7 @@ def scalar_values(theorem: Theorem, plant: Plant, scalars: Mapping[str, Any]) ->
     return {sp.Symbol(name): float(exact_number(value)) for name, value in {**plant.scalars, **scalars}.items()}
 
 
-def _domains(theorem: Theorem, plant: Plant, place: Place) -> dict[str, Domain]:
+def domains_of(theorem: Theorem, plant: Plant, place: Place) -> Checked[dict[str, Domain]]:
     """The domain of every parameter of the theorem; a plant without parameters is time-invariant."""
     domains: dict[str, Domain] = {}
     if not plant.domains:
@@ -116,12 +117,13 @@ def _domains(theorem: Theorem, plant: Plant, place: Place) -> dict[str, Domain]:
     for name, instances in theorem.parameters.items():
         if name not in plant.domains:
             known = ", ".join(plant.domains) or "no parameter"
-            raise DomainError(
+            yield DomainError(
                 f"the parameter {name} has no domain in {plant.name}, which has {known}; add it there", place
             )
+            continue
         domain, required = plant.domains[name], instances[0].required
         if required and domain.kind != required:
-            raise DomainError(
+            yield DomainError(
                 f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}", place
             )
         domains[name] = domain
@@ -185,7 +187,7 @@ def _shape(
     theorem: Theorem, plant: Plant, dependence: Mapping[str, Choice] | None, sizes: Mapping[str, int] | None
 ) -> _Shape:
     place = Place(theorem.name)
-    domains = _domains(theorem, plant, place)
+    domains = demand(domains_of(theorem, plant, place))
     values = solve_sizes(theorem, plant, sizes or {}, place)
     layout = make_layout(theorem, domains, values, dependence or {}, place)
     return _Shape(domains, values, layout, _objective(theorem, layout))
@@ -193,15 +195,9 @@ def _shape(
 
 def _objective(theorem: Theorem, layout: Layout) -> MatrixPolynomial | None:
     """What is minimised as a 1 x (1 + n) polynomial in the given scalars, constant first."""
-    if theorem.minimise is None:
-        return None
-    expression = sp.sympify(theorem.minimise)
-    scalars = theorem.scalar_unknowns
-    parts = affine_parts(expression, scalars)
+    parts = demand(objective(theorem))
     if parts is None:
-        raise PlantError(
-            f"the objective {expression} is not affine in {', '.join(map(str, scalars))}", Place(theorem.name)
-        )
+        return None
     row = {1 + layout.unknowns[scalar.name].offset: _plain(slope) for scalar, slope in parts[1].items()}
     return row_polynomial({0: _plain(parts[0]), **row}, 1 + layout.size)
 

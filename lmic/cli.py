@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from lmic import __version__
+from lmic.authoring.command import check, new
 from lmic.echo import echo_json
 from lmic.errors import LmicError
 from lmic.options import JSON, Choices, compiling, needed, numbers, refuse_with_file
@@ -57,6 +58,8 @@ def main() -> None:
 
 
 main.add_command(sweep)
+main.add_command(new)
+main.add_command(check)
 
 
 @main.command("list")

@@ -159,8 +159,9 @@ class PolytopeDomain(Domain):
 class Motion:
     """How a parameter moves.
 
-    ``step`` bounds |ρ⁺ − ρ| per component in discrete time, or is "free" or "constant"; ``rate``
-    bounds |dρ/dt| in continuous time. A bound is a number, or a pair (lowest, highest).
+    ``step`` bounds the change ρ⁺ − ρ of each component in discrete time, or is "free" or "constant"; ``rate`` bounds
+    dρ/dt in continuous time, per unit of the plant's time. A bound is a number, for both signs, or a pair (lowest,
+    highest).
     """
 
     step: str | Bounds | None = None

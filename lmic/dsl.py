@@ -17,12 +17,13 @@ from lmic.language.declarations import (
     given,
     inv,
     kron,
-    star,
     trace,
     zeros,
 )
+from lmic.language.lmi import ND, PD
 from lmic.language.parameters import Box, Parameter, Simplex
 from lmic.language.source import Source
+from lmic.language.star import star
 from lmic.language.systems import (
     Bound,
     ContinuousSystem,
@@ -33,7 +34,7 @@ from lmic.language.systems import (
     Hurwitz,
     Schur,
 )
-from lmic.language.theorem import ND, PD, Bisection, Theorem, Variant
+from lmic.language.theorem import Bisection, Theorem, Variant
 
 __all__ = [
     "ND",

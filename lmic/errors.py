@@ -6,16 +6,22 @@ expression, and what to do about it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where in a theorem an error was found; blocks count from 1 as in the printed matrix."""
+    """Where in a theorem an error was found; blocks count from 1 as in the printed matrix.
+
+    ``part`` is a place outside the LMIs: ("reports", "gamma"), ("recover", "K"), ("minimise",).
+    """
 
     theorem: str = ""
     lmi: str = ""
     block: tuple[int, int] | None = None
+    part: tuple[str, ...] = ()
 
     def at(self, block: tuple[int, int]) -> Place:
         """The same LMI, at a block (counted from 1)."""
@@ -23,19 +29,27 @@ class Place:
 
     def __str__(self) -> str:
         block = f"block ({self.block[0]},{self.block[1]})" if self.block else ""
-        return " / ".join(part for part in (self.theorem, self.lmi, block) if part)
+        return " / ".join(part for part in (self.theorem, self.lmi, block, *self.part) if part)
 
 
 class LmicError(Exception):
-    """Base of every error that lmic raises on purpose."""
+    """Base of every error that lmic raises on purpose; ``reason`` is its message without the place."""
 
     def __init__(self, message: str, place: Place | None = None) -> None:
+        self.reason, self.place = message, place or Place()
         prefix = f"{place}: " if place and str(place) else ""
         super().__init__(prefix + message)
 
 
 class DefinitionError(LmicError):
-    """A theorem file does not state a theorem (missing name, bad block list, faulty Python)."""
+    """A theorem file does not state a theorem (missing name, bad block list, faulty Python).
+
+    Where a :class:`~lmic.language.theorem.Theorem` cannot be made, ``faults`` is everything that is wrong with it,
+    and ``theorem`` what was stated, if that much is in order.
+    """
+
+    theorem: Any = None
+    faults: Sequence[LmicError] = ()
 
 
 class ShapeError(LmicError):

@@ -6,9 +6,10 @@ from typing import Any
 
 import sympy as sp
 
-from lmic.language.declarations import Star
+from lmic.language.lmi import LMI
 from lmic.language.nodes import Node
-from lmic.language.theorem import LMI, Theorem
+from lmic.language.star import Star
+from lmic.language.theorem import Theorem
 
 
 def matrix(lmi: LMI) -> str:

@@ -15,6 +15,7 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 from lmic.errors import DefinitionError, LibraryError, LmicError
 from lmic.index import entries, files, group
@@ -28,31 +29,47 @@ def names() -> list[str]:
 
 
 def theorem(name: str | Path) -> Theorem:
-    """A theorem by library name or by path; raises LibraryError with the nearest names."""
+    """A theorem by library name, ``"peixoto2025.theorem1"``, or by path, ``"./my_theorem.py"``.
+
+    A variant goes by its own name in the library, and by ``"./my_theorem.py:robust"`` in a file. Raises LibraryError
+    with the nearest names where there is none, and DefinitionError with the line for a file that fails.
+    """
+    place = locate(name)
+    loaded = load_file(place.path)
+    if not place.variant:
+        return replace(loaded, name=place.name)
+    if place.variant not in loaded.variants:
+        has = ", ".join(loaded.variants) or "none"
+        raise LibraryError(f"{place.path.stem} has no variant '{place.variant}'; it has {has}")
+    return loaded.variant(place.variant, name=place.name)
+
+
+class Located(NamedTuple):
+    """Where a theorem is: its file, the variant in it (or an empty text), and the name that it goes by."""
+
+    path: Path
+    variant: str
+    name: str
+
+
+def locate(name: str | Path) -> Located:
+    """Where the theorem of a name or path is; raises LibraryError where the library has none of that name."""
     text = str(name)
     file, _, variant = text.rpartition(":") if ".py:" in text else (text, "", "")
     if file.endswith(".py") or "/" in file:
-        return _with_name(load_file(Path(file)), Path(file).stem, variant)
+        stem = Path(file).stem
+        return Located(Path(file), variant, f"{stem}:{variant}" if variant else stem)
     if text in files():
-        return replace(load_file(files()[text]), name=text)
+        return Located(files()[text], "", text)
     for file_name, path in files().items():
         variant = text.removeprefix(group(file_name))
         if text.startswith(group(file_name)) and variant in load_file(path).variants:
-            return load_file(path).variant(variant, name=text)
+            return Located(path, variant, text)
     near = get_close_matches(text, files(), n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else "'lmic list' shows all names"
     if Path(f"{text}.py").is_file():
         hint = f"for the file here write ./{text}.py"
     raise LibraryError(f"there is no theorem '{text}' in the library; {hint}")
-
-
-def _with_name(loaded: Theorem, name: str, variant: str) -> Theorem:
-    if not variant:
-        return replace(loaded, name=name)
-    if variant not in loaded.variants:
-        has = ", ".join(loaded.variants) or "none"
-        raise LibraryError(f"{name} has no variant '{variant}'; it has {has}")
-    return loaded.variant(variant, name=f"{name}:{variant}")
 
 
 def load_file(path: Path) -> Theorem:
@@ -98,5 +115,11 @@ def _run(path: Path) -> ModuleType:
 
 
 def _place(path: Path, error: BaseException) -> str:
+    line = line_of(path, error)
+    return f"{path}, line {line}" if line else str(path)
+
+
+def line_of(path: Path, error: BaseException) -> int | None:
+    """The line of a file in which an error arose, None where it passed none."""
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
-    return f"{path}, line {lines[-1]}" if lines else str(path)
+    return lines[-1] if lines else None

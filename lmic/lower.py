@@ -11,7 +11,8 @@ import sympy as sp
 
 from lmic.errors import AsymmetryError, DefinitionError, Place, ShapeError
 from lmic.expand import canonical
-from lmic.language.declarations import Star
+from lmic.faults import Checked, demand
+from lmic.language.lmi import LMI
 from lmic.language.nodes import (
     Block,
     Hermitian,
@@ -23,7 +24,8 @@ from lmic.language.nodes import (
     Trace,
     is_zero,
 )
-from lmic.language.theorem import LMI, Theorem
+from lmic.language.star import Star
+from lmic.language.theorem import Theorem
 
 Size: TypeAlias = sp.Expr
 
@@ -42,36 +44,69 @@ class SymbolicLMI:
     blocks: Mapping[tuple[int, int], Node]
 
 
+#: size of a block row of which no sound block is known
+UNKNOWN_SIZE = sp.Symbol("?")
+
+#: what a block is: an expression, a star, or None for a literal zero; faulty blocks are left out
+Entries: TypeAlias = dict[tuple[int, int], Node | Star | None]
+
+
 def lower(theorem: Theorem) -> dict[str, SymbolicLMI]:
-    """Every LMI of the theorem, checked and turned to F ≻ 0."""
-    return {name: lower_lmi(lmi, Place(theorem.name, name)) for name, lmi in theorem.lmis.items()}
+    """Every LMI of the theorem, checked and turned to F ≻ 0; the formulas beside the LMIs are checked too."""
+    found = {name: lower_lmi(lmi, Place(theorem.name, name)) for name, lmi in theorem.lmis.items()}
+    demand(check_formulas(theorem))
+    return found
 
 
 def lower_lmi(lmi: LMI, place: Place) -> SymbolicLMI:
     """One LMI; raises when it is not square, not symmetric, or its blocks do not fit."""
+    return demand(lowered(lmi, place))
+
+
+def lowered(lmi: LMI, place: Place) -> Checked[SymbolicLMI]:
+    """One LMI with all its faults; the blocks that have one are left out."""
     size = len(lmi.rows)
+    entries: Entries = {}
     for i, row in enumerate(lmi.rows):
         if len(row) != size:
-            raise DefinitionError(
+            yield DefinitionError(
                 f"row {i + 1} has {len(row)} blocks but the LMI has {size} rows; write star for each mirrored block",
                 place,
             )
-    entries = {
-        (i, j): _entry(entry, place.at((i + 1, j + 1))) for i, row in enumerate(lmi.rows) for j, entry in enumerate(row)
-    }
-    for (i, j), entry in entries.items():
-        if i == j and isinstance(entry, Star):
-            raise DefinitionError("a diagonal block cannot be a star; write the block", place.at((i + 1, i + 1)))
-        if isinstance(entry, Node):
-            check_shapes(entry, place.at((i + 1, j + 1)))
-    partition = _partition(entries, size, place)
+    for i, row in enumerate(lmi.rows):
+        for j, entry in enumerate(row[:size]):
+            yield from _add_entry(entries, i, j, entry, place.at((i + 1, j + 1)))
+    partition = yield from _partition(entries, size, place)
     blocks: dict[tuple[int, int], Node] = {}
     for i in range(size):
         for j in range(i, size):
-            block = _upper_block(entries, i, j, place)
+            block = yield from _upper_block(entries, i, j, place)
             if block is not None:
                 blocks[i, j] = block if lmi.sense > 0 else MatrixProduct.of(-1, block)
     return SymbolicLMI(place, partition, lmi.sense, blocks)
+
+
+def check_formulas(theorem: Theorem) -> Checked[None]:
+    """Shapes in what is recovered, promised and assumed."""
+    for part, node in theorem.formulas:
+        if isinstance(node, Node):
+            yield from shape_faults(node, Place(theorem.name, part=part))
+
+
+def _add_entry(entries: Entries, i: int, j: int, entry: Any, place: Place) -> Checked[None]:
+    """Enter a block that is sound in itself."""
+    if i == j and isinstance(entry, Star):
+        yield DefinitionError("a diagonal block cannot be a star; write the block", place)
+        return
+    try:
+        block = _entry(entry, place)
+    except DefinitionError as fault:
+        yield fault
+        return
+    faults = list(shape_faults(block, place)) if isinstance(block, Node) else []
+    yield from faults
+    if not faults:
+        entries[i, j] = block
 
 
 def _entry(entry: Any, place: Place) -> Node | Star | None:
@@ -85,54 +120,61 @@ def _entry(entry: Any, place: Place) -> Node | Star | None:
     raise DefinitionError(f"{entry!r} is not a block; give a matrix expression, 0 or star", place)
 
 
-def _partition(entries: Mapping[tuple[int, int], Any], size: int, place: Place) -> tuple[Size, ...]:
-    """Sizes of the block rows, from the diagonal blocks or else from any block of the row or column."""
+def _partition(entries: Entries, size: int, place: Place) -> Checked[tuple[Size, ...]]:
+    """Sizes of the block rows, from the diagonal blocks or else from any block of the row or column.
+
+    Blocks that do not fit leave the entries.
+    """
     sizes: list[Size] = []
     for k in range(size):
-        candidates = [entries[k, k]] if isinstance(entries[k, k], Node) else []
-        row = [(entries[k, j].shape[0], (k, j)) for j in range(size) if isinstance(entries[k, j], Node)]
-        column = [(entries[i, k].shape[1], (i, k)) for i in range(size) if isinstance(entries[i, k], Node)]
+        row = [(node.shape[0], (k, j)) for j in range(size) if isinstance(node := entries.get((k, j)), Node)]
+        column = [(node.shape[1], (i, k)) for i in range(size) if isinstance(node := entries.get((i, k)), Node)]
+        whole = all((k, j) in entries and (j, k) in entries for j in range(size))
         if not row + column:
-            raise ShapeError(f"row {k + 1} holds no matrix, so its size is unknown; use zeros(n, n) in it", place)
-        sizes.append(candidates[0].shape[0] if candidates else (row + column)[0][0])
+            sizes.append(UNKNOWN_SIZE)
+            if whole:
+                yield ShapeError(f"row {k + 1} holds no matrix, so its size is unknown; use zeros(n, n) in it", place)
+            continue
+        diagonal = entries.get((k, k))
+        sizes.append(diagonal.shape[0] if isinstance(diagonal, Node) else (row + column)[0][0])
         for found, (i, j) in row + column:
-            if not same_size(found, sizes[k]):
-                rows, cols = entries[i, j].shape
-                raise ShapeError(
-                    f"{entries[i, j]} is {rows} x {cols} but block row {k + 1} has size {sizes[k]}; "
+            block = entries.get((i, j))
+            if isinstance(block, Node) and not same_size(found, sizes[k]):
+                rows, cols = block.shape
+                yield ShapeError(
+                    f"{block} is {rows} x {cols} but block row {k + 1} has size {sizes[k]}; "
                     "transpose it or correct its declaration",
                     place.at((i + 1, j + 1)),
                 )
+                del entries[i, j]
     return tuple(sizes)
 
 
-def _upper_block(entries: Mapping[tuple[int, int], Any], i: int, j: int, place: Place) -> Node | None:
+def _upper_block(entries: Entries, i: int, j: int, place: Place) -> Checked[Node | None]:
     """The block (i, j), i ≤ j, from itself or its mirrored star; symmetric pairs are compared."""
-    here, mirrored = entries[i, j], entries[j, i]
-    if i == j:
-        if here is not None:
-            _require_symmetric(here, place.at((i + 1, i + 1)))
-        return here
+    here, mirrored = entries.get((i, j)), entries.get((j, i))
+    both = (i, j) in entries and (j, i) in entries
+    place = place.at((i + 1, j + 1))
     if isinstance(here, Star) and isinstance(mirrored, Star):
-        raise DefinitionError(
-            f"this block and its mirror ({j + 1},{i + 1}) are both star; write one of them", place.at((i + 1, j + 1))
-        )
-    if isinstance(mirrored, Star):
-        return here
+        yield DefinitionError(f"this block and its mirror ({j + 1},{i + 1}) are both star; write one of them", place)
+        return None
     if isinstance(here, Star):
-        return mirrored.T if mirrored is not None else None
+        return mirrored.T if isinstance(mirrored, Node) else None
+    if i == j:
+        if here is not None and here.shape[0] != 1 and not _same(here, here.T):
+            yield AsymmetryError(f"{here} is not symmetric; wrap it in He(...) or declare its matrix Symmetric", place)
+            return None
+        return here
+    if isinstance(mirrored, Star) or not both:
+        return here
     if not _same(here, mirrored.T if mirrored is not None else None):
-        raise AsymmetryError(
+        yield AsymmetryError(
             f"{here or 0} is not the transpose of block ({j + 1},{i + 1}), {mirrored or 0}; "
             "write one of the two and star for the other",
-            place.at((i + 1, j + 1)),
+            place,
         )
+        return None
     return here
-
-
-def _require_symmetric(block: Node, place: Place) -> None:
-    if block.shape[0] != 1 and not _same(block, block.T):
-        raise AsymmetryError(f"{block} is not symmetric; wrap it in He(...) or declare its matrix Symmetric", place)
 
 
 def _same(first: Node | None, second: Node | None) -> bool:
@@ -144,17 +186,22 @@ def same_size(first: Size, second: Size) -> bool:
     return bool(sp.expand(first - second) == 0)
 
 
-def check_shapes(node: Node, place: Place) -> None:
-    """Raise ShapeError naming the smallest expression whose operands do not fit."""
+def shape_faults(node: Node, place: Place) -> Checked[bool]:
+    """Every smallest expression whose operands do not fit; returns whether there was one."""
+    faulty = False
     for operand in node.nodes:
-        check_shapes(operand, place)
+        faulty |= yield from shape_faults(operand, place)
+    if faulty:
+        return True
     for first, second, relation in _pairs(node):
         if not same_size(first[1], second[1]):
-            raise ShapeError(
+            yield ShapeError(
                 f"in {node}, {first[0]} and {second[0]} do not {relation}: {first[1]} against {second[1]}; "
                 "correct the declared sizes or transpose one of them",
                 place,
             )
+            faulty = True
+    return faulty
 
 
 Sized: TypeAlias = tuple[str, Size]

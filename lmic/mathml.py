@@ -5,7 +5,8 @@ from __future__ import annotations
 from latex2mathml.converter import convert
 
 from lmic import latex
-from lmic.language.theorem import LMI, Theorem
+from lmic.language.lmi import LMI
+from lmic.language.theorem import Theorem
 
 
 def display(text: str) -> str:

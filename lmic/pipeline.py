@@ -47,7 +47,10 @@ _symbolic: Kept[Mapping[str, TermList]] = Kept()
 
 @dataclass(frozen=True)
 class Result:
-    """A solved theorem: ``reports`` hold what it reports (γ), computed from the solution."""
+    """A solved theorem: ``reports`` hold what it reports (γ), computed from the solution.
+
+    ``reports`` is empty where there is no point to look at; ``seconds`` is the wall time of solving and recovering.
+    """
 
     problem: ConicProblem
     solution: Solution
@@ -72,7 +75,10 @@ def prepare(
     dependence: Mapping[str, Choice] | None = None,
     sizes: Mapping[str, int] | None = None,
 ) -> Binding:
-    """Stages 1 to 3, with the given scalars still open: the part that a sweep does once."""
+    """Stages 1 to 3, with the given scalars still open: the part that a sweep does once.
+
+    Arguments and errors are those of :func:`lmic.compile`.
+    """
     return bind(theorem, symbolic(theorem), plant, dependence, sizes)
 
 
@@ -84,7 +90,11 @@ def symbolic(theorem: Theorem) -> Mapping[str, TermList]:
 def finish(
     binding: Binding, given: Mapping[str, Any] | None = None, relaxation: Relaxation | None = None
 ) -> ConicProblem:
-    """Stages 3 to 5: the given scalars set, relaxed, assembled."""
+    """Stages 3 to 5: the given scalars set, relaxed, assembled.
+
+    ``given`` are values by name, numbers or texts such as ``"1/3"``. Raises PlantError for a scalar that is missing or
+    unknown, RelaxationError for a relaxation that does not fit the dependence on a parameter.
+    """
     fixed = binding.fixed(given or {})
     return assemble(fixed, relax(fixed, relaxation))
 
@@ -97,11 +107,15 @@ def compile(
     relaxation: Relaxation | None = None,
     sizes: Mapping[str, int] | None = None,
 ) -> ConicProblem:
-    """Stages 1 to 5.
+    """Stages 1 to 5: a theorem with a plant as one conic problem, minimise c·x with every F_k(x) ⪰ 0.
 
     ``given`` are the values of the theorem's and the plant's scalars; ``dependence`` the degree or
     basis of each unknown (degree 1 where nothing is said); ``relaxation`` how the parameters
     are made finite; ``sizes`` the dimensions that no matrix of the plant determines.
+
+    Raises DefinitionError, ShapeError, AsymmetryError or NotAffineError for what the theorem states, PlantError,
+    ShapeError or DomainError for a plant that does not fit it, BasisError and RelaxationError for choices that do not
+    apply. Each names the theorem, and the LMI and block where there is one.
     """
     return finish(prepare(theorem, plant, dependence, sizes), given, relaxation)
 
@@ -111,7 +125,12 @@ def run(
 ) -> Result:
     """Stages 6 and 8: solve, with one solver after another until one has an answer, and recover.
 
-    ``near`` is a result at neighbouring data: its coordinates may save work, and change no digit that is known.
+    ``solver`` is one of :func:`lmic.solvers`, or several of them. ``near`` is a result at neighbouring data: its
+    coordinates may save work, and change no digit that is known.
+
+    Whether the answer can be relied on is in ``result.solution``: its status, violation and uncertainty. Raises
+    PlantError where the data already rule out a solution, SolverError where no solver could run, RecoveryError where
+    a report is not real.
     """
     start = perf_counter()
     check_assumptions(problem.binding)

@@ -27,14 +27,19 @@ Array: TypeAlias = NDArray[Any]
 class Design:
     """What the theorem recovers from a solution: call it with parameter values.
 
-    ``design(alpha=[0.3, 0.7])["A_F"]`` is a matrix; with K rows of values it is a stack of K.
+    ``design(alpha=[0.3, 0.7])["A_F"]`` is a matrix, shape (rows, cols); with K rows of values it is a stack of K,
+    shape (K, rows, cols). ``x`` holds the unknowns' coordinates as ``binding.layout`` numbers them.
     """
 
     binding: Binding
     x: Array
 
     def __call__(self, **parameters: Any) -> dict[str, Array]:
-        """The recovered matrices at the given parameter values."""
+        """The recovered matrices at the given parameter values, by name.
+
+        A parameter is given by its components, ``alpha=[0.3, 0.7]``, or K rows of them. Raises DomainError for a
+        parameter that is missing or has another number of components.
+        """
         single = all(np.ndim(value) <= 1 for value in parameters.values())
         values = {name: self.at(node, parameters) for name, node in self.binding.theorem.recover.items()}
         return {name: value[0] if single and value.ndim == 3 else value for name, value in values.items()}
@@ -42,7 +47,7 @@ class Design:
     def state_spaces(self, **parameters: Any) -> list[Any]:
         """The recovered filter or controller as a ``control.StateSpace`` at each parameter value.
 
-        See :func:`lmic.statespace.state_spaces`; :meth:`__call__` gives the same matrices as plain arrays.
+        See :func:`lmic.statespace.state_spaces`; calling the design gives the same matrices as plain arrays.
         """
         from lmic.statespace import state_spaces
 

@@ -11,10 +11,10 @@ import sympy as sp
 
 from lmic.bind import Binding
 from lmic.evaluate import evaluate
-from lmic.language.declarations import Star
+from lmic.language.lmi import LMI
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import instance_symbol, rate_symbol
-from lmic.language.theorem import LMI
+from lmic.language.star import Star
 from lmic.plants.plant import Plant
 
 # Example 1 of Peixoto et al. (2025), typed here once more so that the shipped file is checked too

@@ -7,7 +7,25 @@ from typing import Any
 
 import pytest
 
-from lmic.dsl import ND, PD, Data, He, I, Matrix, Scalar, Simplex, Source, Symmetric, Theorem, block, dims, inv, star
+from lmic.dsl import (
+    ND,
+    PD,
+    BlockDiagonal,
+    Data,
+    He,
+    I,
+    Matrix,
+    Scalar,
+    Simplex,
+    Source,
+    Symmetric,
+    Theorem,
+    block,
+    dims,
+    inv,
+    star,
+    zeros,
+)
 from lmic.errors import (
     AsymmetryError,
     BasisError,
@@ -73,12 +91,23 @@ def test_a_block_written_twice_as_its_own_transpose_is_accepted() -> None:
 
 
 def test_used_as_a_matrix() -> None:
-    with pytest.raises(DefinitionError, match=r"I\(n\)"):
-        _ = A + 1
+    for wrong in (lambda: A + 1, lambda: A - 1, lambda: 1 - A, lambda: A - mu, lambda: mu + A):
+        with pytest.raises(DefinitionError, match=r"I\(n\)"):
+            wrong()
+    assert A - 0 == A
     with pytest.raises(DefinitionError, match="different lengths"):
         block([[A, A], [A]])
     with pytest.raises(DefinitionError, match="no LMI"):
         Theorem(lmis={}, source=SOURCE)
+
+
+@pytest.mark.parametrize("size", [dims("n"), "n", A, 2.5, -1, None])
+def test_a_size_that_is_no_dimension(size: Any) -> None:
+    for declare in (lambda: Data("A", n, size), lambda: Matrix("A", size, n), lambda: I(size), lambda: zeros(n, size)):
+        with pytest.raises(DefinitionError, match="dimension"):
+            declare()
+    with pytest.raises(DefinitionError, match="dimension"):
+        BlockDiagonal("A", n, size)
 
 
 def test_one_name_for_two_matrices() -> None:

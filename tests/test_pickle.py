@@ -7,7 +7,8 @@ import pickle
 import pytest
 
 from lmic import library
-from lmic.language.declarations import Scalar, dims, given, star
+from lmic.language.declarations import Scalar, dims, given
+from lmic.language.star import star
 from lmic.pipeline import finish, prepare
 from lmic.plants.files import read_plant
 

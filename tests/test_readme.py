@@ -7,27 +7,15 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from documents import ROOT, Document, agrees
 
 import lmic
 from lmic.cli import main
 from lmic.plants.plant import Plant
 from lmic.solve.registry import SOLVERS
 
-README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
-
-
-def block(language: str, containing: str = "") -> str:
-    """The one code block in that language that contains a text."""
-    (found,) = [text for kind, text in BLOCKS if kind == language and containing in text]
-    return found
-
-
-def comparable(printed: str) -> list[str]:
-    """Words line by line, without what differs between machines: seconds, iterations, rounding errors."""
-    printed = re.sub(r"(solver +\w+):.*", r"\1", printed)
-    printed = re.sub(r"(violation ).*", r"\1", printed)
-    return [" ".join(line.split()) for line in printed.splitlines() if line.strip()]
+README = Document("README.md")
+block = README.block
 
 
 def test_first_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -38,7 +26,7 @@ def test_first_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert program == "lmic"
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
-    assert comparable(result.stdout) == comparable(block("text"))
+    assert agrees(result.stdout, block("text"))
     violations = re.search(r"violation +(\S+) \(relative to diag S: (\S+)\)", result.stdout)
     assert violations
     assert all(float(value) < 1e-9 for value in violations.groups())
@@ -56,7 +44,7 @@ def test_files_and_solvers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_every_solver_is_in_the_readme() -> None:
-    assert all(f"`{name}`" in README for name in SOLVERS)
+    assert all(f"`{name}`" in README.text for name in SOLVERS)
 
 
 def test_the_definition_has_fifteen_lines() -> None:
@@ -65,10 +53,10 @@ def test_the_definition_has_fifteen_lines() -> None:
 
 def test_every_command_is_in_the_readme() -> None:
     for command in main.commands:
-        assert f"`lmic {command}" in README
+        assert f"`lmic {command}" in README.text
 
 
 def test_the_makefile_has_the_two_commands() -> None:
-    makefile = (Path(__file__).parent.parent / "Makefile").read_text(encoding="utf-8")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for line in block("sh", "make").splitlines():
         assert f"\n{line.split()[1]}:" in makefile

@@ -31,7 +31,7 @@ MARGIN = Fraction(1, 10**6)
 class Infeasible:
     """Dual matrices for the finite LMIs of ``functionals`` that show that these have no solution.
 
-    With a ``radius``, that they have none with |x_i| ≤ radius and F_k(x) ≻ margin·I.
+    With a ``radius``, that they have none with every unknown within ± radius and F_k(x) ≻ margin·I.
     """
 
     functionals: tuple[Functional, ...]

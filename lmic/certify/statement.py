@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from lmic.certify.sparse import Monomial, SparsePolynomial, Terms
 from lmic.errors import CertificateError, Place
-from lmic.language.declarations import Star
+from lmic.language.lmi import LMI
 from lmic.language.nodes import (
     Block,
     Hermitian,
@@ -38,7 +38,8 @@ from lmic.language.nodes import (
     is_zero,
 )
 from lmic.language.parameters import instance_symbol, rate_symbol
-from lmic.language.theorem import LMI, Theorem
+from lmic.language.star import Star
+from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant
 from lmic.polynomials import MatrixPolynomial
 from lmic.sizes import solve_sizes

@@ -61,7 +61,11 @@ class UnprovenError(CertificateError):
 
 
 def verify(certificate: Certificate, theorem: Theorem | None = None) -> Verdict:
-    """Prove it anew; ``theorem`` is the statement where it is not one of the library."""
+    """Prove a certificate anew, in exact arithmetic, from the theorem's matrix and the certificate's data alone.
+
+    ``theorem`` is the statement where it is not one of the library. What does not hold is told in the verdict; raises
+    CertificateError where the certificate is of another theorem or states what cannot be proven.
+    """
     try:
         cells, about_theorem = proven(certificate, theorem or library.theorem(certificate.theorem))
     except LmicError as error:

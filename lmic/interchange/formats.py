@@ -47,7 +47,10 @@ def is_problem_file(path: str | Path) -> bool:
 
 
 def read_problem(path: str | Path) -> SDP:
-    """The semidefinite program of a file; raises FormatError, naming the file, for whatever is wrong."""
+    """The semidefinite program of a .dat-s, .cbf, .mat or .npz file.
+
+    Raises FormatError, naming the file, for whatever is wrong.
+    """
     file = Path(path)
     try:
         found = _format(file)
@@ -66,7 +69,10 @@ def read_problem(path: str | Path) -> SDP:
 
 
 def write_problem(problem: ConicProblem | SDP, path: str | Path) -> None:
-    """Write a problem in the format that the suffix names; raises FormatError for another suffix."""
+    """Write a problem in the format that the suffix names: .dat-s, .cbf, .mat or .npz.
+
+    Raises FormatError for another suffix, and LmicError where the file cannot be written; no half of one is left.
+    """
     file = Path(path)
     found = _format(file)
     sdp = sdp_of_problem(problem) if isinstance(problem, ConicProblem) else problem

@@ -22,7 +22,8 @@ Array: TypeAlias = NDArray[Any]
 def cvxpy_problem(problem: ConicProblem | SDP) -> Any:
     """A ``cvxpy.Problem`` in the variable ``x``; constraint k is LMI k.
 
-    Its expressions are symmetric as they stand: CVXPY looks at the symmetric part alone.
+    ``x`` has one entry for each scalar unknown, in the order of the problem's columns. The expressions are symmetric
+    as they stand: CVXPY looks at the symmetric part alone.
     """
     import cvxpy
 

@@ -67,7 +67,8 @@ class SDP:
     """minimise cost·x + constant subject to the LMIs of ``entries``, of the given ``orders``.
 
     ``maximised`` says that the file asks for the maximum of −cost·x − constant, and its value is that.
-    Make one with :func:`sdp_of_problem` or :func:`sdp_of_entries`, which check and sort.
+    Make one with :func:`~lmic.interchange.sdp.sdp_of_problem` or :func:`~lmic.interchange.sdp.sdp_of_entries`, which
+    check and sort.
     """
 
     cost: Array

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import sympy as sp
 
-from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Trace, Zero
+from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Trace, Zero, as_size
 
 
 class SymbolicSize(sp.Symbol):
@@ -32,23 +32,27 @@ def dims(names: str) -> tuple[SymbolicSize, ...]:
 
 
 def Data(name: str, rows: Any, cols: Any, symmetric: bool = False) -> Leaf:
-    """A rows x cols matrix that the plant gives; ``Data("A", n, n)(alpha)`` depends on alpha."""
+    """A rows x cols matrix that the plant gives under this name; ``Data("A", n, n)(alpha)`` may depend on alpha.
+
+    ``symmetric`` states that it is, so that it may stand on a diagonal.
+    """
     return Leaf(name, rows, cols, "data", symmetric=symmetric)
 
 
 def Matrix(name: str, rows: Any, cols: Any) -> Leaf:
-    """A rectangular unknown, rows x cols."""
+    """A rectangular unknown, rows x cols; ``Matrix("G", n, n)(alpha)`` is looked for among functions of alpha."""
     return Leaf(name, rows, cols, "unknown")
 
 
 def Symmetric(name: str, size: Any, blocks: Sequence[Any] = ()) -> Leaf:
-    """A symmetric unknown, size x size; ``blocks=(n, m)`` makes it block diagonal."""
+    """A symmetric unknown, size x size; ``blocks=(n, m)`` makes it block diagonal, where n + m is the size."""
     return Leaf(name, size, size, "unknown", symmetric=True, blocks=blocks)
 
 
 def BlockDiagonal(name: str, *blocks: Any) -> Leaf:
-    """A block-diagonal unknown with square blocks of the given sizes."""
-    return Leaf(name, sp.Add(*blocks), sp.Add(*blocks), "unknown", blocks=blocks)
+    """A block-diagonal unknown with square blocks of the given sizes; its own size is their sum."""
+    size = sp.Add(*map(as_size, blocks))
+    return Leaf(name, size, size, "unknown", blocks=blocks)
 
 
 class NamedScalar(sp.Symbol):
@@ -79,27 +83,30 @@ class Given(NamedScalar):
 
 
 def Scalar(name: str, latex: str = "") -> ScalarUnknown:
-    """A scalar unknown, ``mu = Scalar("mu")``; ``mu*I(n)`` is a block."""
+    """A scalar unknown, ``mu = Scalar("mu")``; ``mu*I(n)`` is a block. ``latex`` is how it prints."""
     return ScalarUnknown(name, latex)
 
 
 def given(name: str, latex: str = "") -> Given:
-    """A scalar fixed when compiling."""
+    """A scalar whose value is given when compiling, ``eps = given("eps")``; it may multiply unknowns.
+
+    ``latex`` is how it prints.
+    """
     return Given(name, latex)
 
 
 def I(size: Any) -> Identity:  # noqa: E743
-    """Identity of the given size."""
+    """Identity, size x size."""
     return Identity(size)
 
 
 def zeros(rows: Any, cols: Any) -> Zero:
-    """Zero matrix; a bare 0 does where the size follows from the row and column."""
+    """Zero matrix, rows x cols; a bare 0 does where the size follows from the row and column."""
     return Zero(rows, cols)
 
 
 def He(matrix: Any) -> Hermitian:
-    """He(X) = X + Xᵀ."""
+    """He(X) = X + Xᵀ of a square expression."""
     return Hermitian(matrix)
 
 
@@ -109,7 +116,7 @@ def inv(matrix: Any) -> Inverse:
 
 
 def kron(left: Any, right: Any) -> Kronecker:
-    """Kronecker product; at most one operand holds unknowns."""
+    """Kronecker product: of p x q and r x s, pr x qs. At most one operand holds unknowns."""
     return Kronecker(left, right)
 
 
@@ -119,7 +126,10 @@ def trace(matrix: Any) -> Trace:
 
 
 def block(rows: Sequence[Sequence[Any]]) -> Block:
-    """A matrix of blocks; an entry may be a bare 0."""
+    """A matrix of blocks, ``block([[A, B], [0, C]])``; an entry may be a bare 0, but no star.
+
+    Raises DefinitionError where rows have different lengths or the size of one is unknown.
+    """
     return Block(rows)
 
 
@@ -131,17 +141,3 @@ def diag(*blocks: Any) -> Block:
 def dot(matrix: Leaf) -> Leaf:
     """dX/dt along the parameter's trajectory, Σ ∂X/∂ρᵢ ρ̇ᵢ (continuous time)."""
     return matrix.dot()
-
-
-class Star:
-    """Marks a block that symmetry gives."""
-
-    def __repr__(self) -> str:
-        return "star"
-
-    def __reduce__(self) -> str:
-        """Pickled by its name, so that there is only one."""
-        return "star"
-
-
-star = Star()

@@ -16,6 +16,7 @@ from sympy.printing.precedence import PRECEDENCE
 
 from lmic.errors import DefinitionError
 from lmic.language.parameters import Parameter
+from lmic.language.star import Star
 
 
 def exact(value: Any) -> sp.Expr:
@@ -23,6 +24,18 @@ def exact(value: Any) -> sp.Expr:
     if isinstance(value, float):
         return sp.Rational(repr(value))
     return sp.sympify(value)
+
+
+def as_size(value: Any) -> sp.Expr:
+    """The value as a dimension: an expression in dimensions, or a whole number; or DefinitionError."""
+    if isinstance(value, (tuple, list)):
+        raise DefinitionError(
+            f"{value} are several dimensions where one is needed; a single one is declared with a comma, n, = dims('n')"
+        )
+    size = None if isinstance(value, (str, Node)) else sp.sympify(value)
+    if not isinstance(size, sp.Expr) or (size.is_number and not (size.is_integer and size >= 0)):
+        raise DefinitionError(f"{value!r} is no dimension; give one of dims(...), an expression in them or a number")
+    return size
 
 
 class Node(MatrixExpr):
@@ -37,7 +50,7 @@ class Node(MatrixExpr):
         return MatrixSum.of(other, self)
 
     def __sub__(self, other: Any) -> Node:
-        return MatrixSum.of(self, MatrixProduct.of(-1, other))
+        return self if is_zero(other) else MatrixSum.of(self, MatrixProduct.of(-1, as_node(other)))
 
     def __rsub__(self, other: Any) -> Node:
         return MatrixSum.of(other, MatrixProduct.of(-1, self))
@@ -96,9 +109,11 @@ def as_node(value: Any) -> Node:
     """The value as a matrix expression, or DefinitionError."""
     if isinstance(value, Node):
         return value
+    if isinstance(value, Star):
+        value.refuse()
     raise DefinitionError(
-        f"'{value}' is used as a matrix but is a {type(value).__name__}; write {value}*I(n) for a multiple of the "
-        "identity, or a bare 0 or star as a block"
+        f"'{value}' is used as a matrix but is of type {type(value).__name__}; write {value}*I(n) for a multiple "
+        "of the identity, or a bare 0 or star as a block"
     )
 
 
@@ -131,8 +146,8 @@ class Leaf(Node):
     ) -> Leaf:
         leaf: Leaf = sp.Basic.__new__(cls)
         leaf.name, leaf.role, leaf.symmetric = name, role, symmetric
-        leaf._size = (sp.sympify(rows), sp.sympify(cols))
-        leaf.blocks = tuple(sp.sympify(size) for size in blocks)
+        leaf._size = (as_size(rows), as_size(cols))
+        leaf.blocks = tuple(as_size(size) for size in blocks)
         leaf.arguments, leaf.derivative = arguments, derivative
         return leaf
 
@@ -196,7 +211,7 @@ class Leaf(Node):
 
 class Identity(Node):
     def __new__(cls, size: Any) -> Identity:
-        node: Identity = sp.Basic.__new__(cls, sp.sympify(size))
+        node: Identity = sp.Basic.__new__(cls, as_size(size))
         return node
 
     @property
@@ -212,7 +227,7 @@ class Identity(Node):
 
 class Zero(Node):
     def __new__(cls, rows: Any, cols: Any) -> Zero:
-        node: Zero = sp.Basic.__new__(cls, sp.sympify(rows), sp.sympify(cols))
+        node: Zero = sp.Basic.__new__(cls, as_size(rows), as_size(cols))
         return node
 
     @property

@@ -81,7 +81,7 @@ System: TypeAlias = DiscreteSystem | ContinuousSystem | DelaySystem | PlaneSyste
 class Bound:
     """What the theorem promises: the ``norm`` from w to z of ``system`` is below ``report``.
 
-    ``norm`` is "l2 gain" (on frozen parameters the H∞ norm) or "energy to peak", the largest |z| at
+    ``norm`` is "l2 gain" (on frozen parameters the H∞ norm) or "energy to peak", the largest Euclidean norm of z at
     one time or place, over ‖w‖₂. A system with delays keeps the promise for each of them.
     """
 

@@ -5,49 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import sympy as sp
 
 from lmic.errors import DefinitionError
+from lmic.language.contradictions import contradictions, malformations
 from lmic.language.declarations import Given, ScalarUnknown
+from lmic.language.lmi import LMI
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import Parameter
 from lmic.language.source import Source
 from lmic.language.systems import Bound, Stable, System
-
-
-@dataclass(frozen=True)
-class LMI:
-    """``sense`` +1: the matrix is positive definite; -1: negative definite."""
-
-    sense: int
-    rows: tuple[tuple[Any, ...], ...]
-
-
-def PD(rows: Any) -> LMI:
-    """Positive definite: a list of block rows, or a single expression."""
-    return LMI(+1, _rows(rows))
-
-
-def ND(rows: Any) -> LMI:
-    """Negative definite: a list of block rows, or a single expression."""
-    return LMI(-1, _rows(rows))
-
-
-def _is_scalar(expression: Any) -> bool:
-    try:
-        return isinstance(sp.sympify(expression, strict=True), sp.Expr)
-    except (sp.SympifyError, TypeError):
-        return False
-
-
-def _rows(rows: Any) -> tuple[tuple[Any, ...], ...]:
-    if isinstance(rows, (Node, sp.Expr)):
-        return ((rows,),)
-    if not isinstance(rows, (list, tuple)) or not all(isinstance(row, (list, tuple)) for row in rows):
-        raise DefinitionError(f"{rows!r} is no list of block rows; write PD([[P, A], [star, P]])")
-    return tuple(tuple(row) for row in rows)
 
 
 @dataclass(frozen=True)
@@ -100,30 +68,12 @@ class Theorem:
     full: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        if not isinstance(self.lmis, Mapping) or not self.lmis:
-            raise DefinitionError("the theorem states no LMI; give lmis={'name': PD([[...]])}")
-        for name, lmi in self.lmis.items():
-            if not isinstance(lmi, LMI):
-                raise DefinitionError(
-                    f"the LMI '{name}' is a {type(lmi).__name__}; wrap its block rows in PD(...) or ND(...)"
-                )
-        for what, expression in {"minimise": self.minimise, **self.reports}.items():
-            if expression is not None and (isinstance(expression, (str, Node)) or not _is_scalar(expression)):
-                raise DefinitionError(f"'{what}' is {expression!r}; give a scalar expression such as mu or sqrt(mu)")
-        for key, variant in self.variants.items():
-            if not all(isinstance(leaf, Leaf) for leaf in (*variant.constant, *variant.full)):
-                raise DefinitionError(f"the variant '{key}' names its unknowns by text; give the unknowns themselves")
-        clash = {s.name for s in self.scalar_unknowns} & set(self.unknowns)
-        if clash:
-            raise DefinitionError(f"{min(clash)} is both a scalar and a matrix unknown; give them different names")
-        known = set(self.scalar_unknowns) | set(self.givens)
-        for what, expression in self.reports.items():
-            foreign = sp.sympify(expression).free_symbols - known
-            if foreign:
-                raise DefinitionError(
-                    f"the report '{what}' uses {min(map(str, foreign))}, which occurs in no LMI; "
-                    "report a scalar unknown"
-                )
+        malformed = list(malformations(self))
+        faults = malformed or list(contradictions(self))
+        if faults:
+            first = DefinitionError(faults[0].reason, faults[0].place)
+            first.theorem, first.faults = None if malformed else self, faults
+            raise first
 
     def variant(self, key: str, name: str = "") -> Theorem:
         """The theorem with one of its declared choices made."""
@@ -152,25 +102,24 @@ class Theorem:
         return [entry for lmi in self.lmis.values() for row in lmi.rows for entry in row if isinstance(entry, Node)]
 
     @cached_property
+    def formulas(self) -> list[tuple[tuple[str, ...], Node]]:
+        """Matrix expressions outside the LMIs, each with its place: recovery, guarantees, signals, assumptions."""
+        systems = [(("guarantees", bound.report), bound.system) for bound in self.guarantees]
+        systems += [(("signals", name), system) for name, system in self.signals.items()]
+        return [
+            *((("recover", name), node) for name, node in self.recover.items()),
+            *(((*part, name), node) for part, system in systems for name, node in vars(system).items()),
+            *((("assumes", str(number)), condition.matrix) for number, condition in enumerate(self.assumes, 1)),
+        ]
+
+    @property
     def extras(self) -> list[Node]:
-        """Matrix expressions outside the LMIs: recovery, guarantees, assumptions."""
-        systems = [*(bound.system for bound in self.guarantees), *self.signals.values()]
-        matrices = [node for system in systems for node in vars(system).values()]
-        return [*self.recover.values(), *matrices, *(condition.matrix for condition in self.assumes)]
+        """Matrix expressions outside the LMIs."""
+        return [node for _, node in self.formulas if isinstance(node, Node)]
 
     def _declarations(self, role: str, nodes: Sequence[Node]) -> dict[str, Leaf]:
-        found: dict[str, Leaf] = {}
-        for node in nodes:
-            for leaf in node.leaves():
-                if leaf.role != role:
-                    continue
-                known = found.setdefault(leaf.name, leaf.declaration)
-                if known != leaf.declaration:
-                    raise DefinitionError(
-                        f"{self.name}: {leaf.name} is declared twice, as {known.shape} and {leaf.declaration.shape}; "
-                        "give the two matrices different names"
-                    )
-        return found
+        leaves = [leaf for node in nodes for leaf in node.leaves() if leaf.role == role]
+        return {leaf.name: leaf.declaration for leaf in leaves}
 
     @cached_property
     def data(self) -> dict[str, Leaf]:
@@ -188,11 +137,10 @@ class Theorem:
         symbols = set().union(*(node.scalars() for node in self.nodes + self.extras))
         if self.minimise is not None:
             symbols |= sp.sympify(self.minimise).free_symbols
-        for entry in self._scalar_entries():
-            symbols |= entry.free_symbols
-        return symbols
+        return symbols.union(*(entry.free_symbols for entry in self.scalar_entries))
 
-    def _scalar_entries(self) -> list[sp.Expr]:
+    @cached_property
+    def scalar_entries(self) -> list[sp.Expr]:
         """Blocks of size one that are written as a scalar."""
         return [
             entry
@@ -224,14 +172,11 @@ class Theorem:
 
     def dependence(self, unknown: str) -> tuple[str, ...]:
         """Names of the parameters on which an unknown may depend."""
-        names = self._arguments.get(unknown, set())
-        if len(names) > 1:
-            raise DefinitionError(f"{self.name}: {unknown} is used with different parameters: {sorted(names)}")
-        return () if unknown in self.constant else next(iter(names), ())
+        return () if unknown in self.constant else next(iter(self.arguments.get(unknown, ())), ())
 
     @cached_property
-    def _arguments(self) -> dict[str, set[tuple[str, ...]]]:
-        """For each matrix of the LMIs, the names of the parameters at which it is taken."""
+    def arguments(self) -> dict[str, set[tuple[str, ...]]]:
+        """For each matrix of the LMIs, the names of the parameters at which it is taken; of an unknown there is one."""
         found: dict[str, set[tuple[str, ...]]] = {}
         for node in self.nodes:
             for leaf in node.leaves():

@@ -54,7 +54,11 @@ def solver(name: str) -> ConeSolver:
 
 
 def solvers(names: Sequence[str] = ()) -> tuple[ConeSolver, ...]:
-    """The named solvers in their order, and after them those of the default that are not named."""
+    """The named solvers in their order, and after them those of the default that are not named.
+
+    Names are those of :data:`SOLVERS <lmic.solve.registry.SOLVERS>`. Raises SolverError for an unknown name, and for a
+    package that is not installed.
+    """
     chosen = [name.strip().lower() for name in names]
     return tuple(solver(name) for name in (*chosen, *(name for name in DEFAULT if name not in chosen)))
 

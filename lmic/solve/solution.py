@@ -48,8 +48,9 @@ class Pass:
 class Solution:
     """An answer and what was measured of it.
 
-    ``value`` is the objective at ``x``. ``bound`` is the dual objective, less what the dual misses
-    its equalities by, weighed with x: a lower bound to rounding, for solutions of the size of x.
+    ``x`` has one entry for each scalar unknown; ``value`` is the objective there. ``bound`` is the dual
+    objective, less what the dual misses its equalities by, weighed with x: a lower bound to rounding, for
+    solutions of the size of x.
     ``price`` estimates, from the dual, how much the objective rises when the violation is mended.
     ``violation`` is the most negative eigenvalue over all LMIs (0 if none is negative),
     ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that

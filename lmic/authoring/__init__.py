@@ -1,0 +1,1 @@
+"""Writing theorems of one's own: ``lmic new`` and ``lmic check``."""
