@@ -86,7 +86,8 @@ def finish(
 ) -> ConicProblem:
     """Stages 3 to 5: the given scalars set, relaxed, assembled."""
     fixed = binding.fixed(given or {})
-    return assemble(fixed, relax(fixed, relaxation))
+    chosen = relaxation or Relaxation()
+    return assemble(fixed, relax(fixed, chosen), chosen)
 
 
 def compile(
