@@ -1,4 +1,4 @@
-"""What identifies a theorem, a plant and the choices of a computation: digests that a file keeps to know its problem."""
+"""What identifies a theorem and a plant: the parts of a digest by which a file knows its problem."""
 
 from __future__ import annotations
 
@@ -54,4 +54,4 @@ def _declaration(leaf: Leaf) -> str:
 
 
 def _system(system: System) -> str:
-    return f"{type(system).__name__} {({name: str(node) for name, node in vars(system).items()})}"
+    return f"{type(system).__name__} { ({name: str(node) for name, node in vars(system).items()}) }"
