@@ -15,7 +15,6 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic import svec
 from lmic.assemble import ConicProblem
 from lmic.language.parameters import instance_symbol
 from lmic.parametric import ParametricLMI
@@ -69,6 +68,16 @@ def margins(problem: ConicProblem, x: Array, path: Walk) -> list[Margin]:
     return [_margin(problem, family, axes, x, path) for family in problem.families]
 
 
+def imposed(problem: ConicProblem, path: Walk) -> Array:
+    """Positions on a walk along a line at which some LMI is imposed, so that they may be put on the walk."""
+    axes = space(problem.binding, problem.relaxation.ties).axes
+    found = []
+    for family in problem.families:
+        mine = _occurring(family.lmi, axes)
+        found.append(_held(problem, family, mine, _walking(problem, mine), path))
+    return np.unique(np.concatenate(found))
+
+
 def eigenvalues(lmi: ParametricLMI, x: Array, values: Values) -> tuple[Array, Array]:
     """Least eigenvalue of F(θ, x) and of F scaled to unit diagonal, each of shape (K,), at K values of the symbols."""
     length = max((len(value) for value in values.values()), default=1)
@@ -98,10 +107,9 @@ def _absolute(lmi: ParametricLMI) -> ParametricLMI:
 
 def _margin(problem: ConicProblem, family: LMIFamily, axes: Sequence[Axis], x: Array, path: Walk) -> Margin:
     lmi = family.lmi
-    occurring = {symbol for atom in lmi.monomials.atoms for symbol in atom.free_symbols}
-    mine = [axis for axis in axes if occurring & set(axis.symbols)]
+    mine = _occurring(lmi, axes)
     walking = _walking(problem, mine)
-    imposed = _eigenvalues(lmi, x, family.weights)[1].min()
+    least_imposed = _eigenvalues(lmi, x, family.weights)[1].min()
     steps = _walked(problem, mine, walking, path)
     _, relative = eigenvalues(lmi, x, steps)
     along = relative.reshape(-1, len(path)).min(axis=0) if steps else np.full(len(path), relative[0])
@@ -110,14 +118,17 @@ def _margin(problem: ConicProblem, family: LMIFamily, axes: Sequence[Axis], x: A
     worst = int(np.argmin(relative))
     where = ", ".join(f"{symbol} = {values[worst]:.4g}" for symbol, values in everywhere.items())
     held = _held(problem, family, mine, walking, path)
-    return Margin(lmi.place.lmi, float(imposed), float(relative[worst]), float(least.min()), where, along, held)
+    return Margin(lmi.place.lmi, float(least_imposed), float(relative[worst]), float(least.min()), where, along, held)
+
+
+def _occurring(lmi: ParametricLMI, axes: Sequence[Axis]) -> list[Axis]:
+    symbols = {symbol for atom in lmi.monomials.atoms for symbol in atom.free_symbols}
+    return [axis for axis in axes if symbols & set(axis.symbols)]
 
 
 def _walking(problem: ConicProblem, axes: Sequence[Axis]) -> dict[str, str]:
     """For each parameter in the axes the instance that walks: the first of those that occur."""
-    order = {
-        name: [parameter.instance for parameter in found] for name, found in problem.binding.instances.items()
-    }
+    order = {name: [parameter.instance for parameter in found] for name, found in problem.binding.instances.items()}
     found: dict[str, str] = {}
     for axis in sorted(axes, key=lambda axis: order[axis.parameter].index(axis.instance)):
         symbols = {instance_symbol(c, axis.instance) for c in problem.binding.domains[axis.parameter].components}

@@ -58,9 +58,7 @@ def write_result(
     write_whole(Path(path), "{\n" + ",\n".join(lines) + "\n}\n")
 
 
-def read_result(
-    path: str | os.PathLike[str], theorem: Theorem | None = None
-) -> tuple[Result, Certificate | None]:
+def read_result(path: str | os.PathLike[str], theorem: Theorem | None = None) -> tuple[Result, Certificate | None]:
     """The result in a file, compiled anew and not solved, and the certificate that was made of it.
 
     ``theorem`` is the statement where it is not found under the name in the file. The dual matrices are not kept.
@@ -152,7 +150,9 @@ def _parsed(file: Path) -> dict[str, Any]:
         raise ResultError(f"{file} is not valid JSON ({error}); give a file of lmic solve -o RESULT.json") from error
     kind = tables.get("format") if isinstance(tables, dict) else None
     if kind == certificate_file.FORMAT:
-        raise ResultError(f"{file} is a certificate, which lmic verify proves; give a file of lmic solve -o RESULT.json")
+        raise ResultError(
+            f"{file} is a certificate, which lmic verify proves; give a file of lmic solve -o RESULT.json"
+        )
     if kind != FORMAT:
         raise ResultError(f"{file} is not of the format '{FORMAT}'; write it with lmic solve -o RESULT.json")
     if tables.pop("sha256", None) != digest(tables):
@@ -205,7 +205,9 @@ def _solution(tables: Mapping[str, Any], problem: ConicProblem) -> Solution:
         x = np.concatenate(
             [_coordinates(u, tables["unknowns"][name]) for name, u in problem.layout.unknowns.items()] or [np.zeros(0)]
         )
-    steps = tuple(Pass(**{**step, **_floats(step, "value", "bound", "violation", "price")}) for step in stored["passes"])
+    steps = tuple(
+        Pass(**{**step, **_floats(step, "value", "bound", "violation", "price")}) for step in stored["passes"]
+    )
     stored |= _floats(stored, "value", "bound", "price", "violation", "relative_violation")
     stored |= {name: tuple(stored[name]) for name in ("warnings", "handovers")}
     return Solution(**{**stored, "status": status, "x": x, "dual": np.zeros(0), "passes": steps})
@@ -227,4 +229,3 @@ def _coordinates(unknown: UnknownLayout, stored: Any) -> Array:
     if not np.array_equal(replace(unknown, offset=0).matrices(x), matrices):
         raise ResultError(f"the matrices of {unknown.name} do not have its structure; solve again")
     return x
-

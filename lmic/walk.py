@@ -45,6 +45,16 @@ class Walk:
         points = {name: values[chosen] for name, values in self.points.items()}
         return Walk(points, self.position[chosen], self.component, self.stops)
 
+    def through(self, positions: Array) -> Walk:
+        """With further positions on it."""
+        merged = np.union1d(self.position, positions)
+        order = np.argsort(self.position)
+        points = {
+            name: np.column_stack([np.interp(merged, self.position[order], column) for column in values[order].T])
+            for name, values in self.points.items()
+        }
+        return Walk(points, merged, self.component, self.stops)
+
     def thinned(self, count: int) -> Walk:
         """At most about ``count`` points, the stops among them."""
         step = max(1, round((len(self) - 1) / max(1, count - 1)))
