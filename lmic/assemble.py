@@ -107,6 +107,12 @@ class ConicProblem:
             index -= len(family)
         raise IndexError(index)
 
+    def _repr_html_(self) -> str:
+        """Sizes and relaxations, for notebooks."""
+        from lmic.pages.notebook import problem_html
+
+        return problem_html(self)
+
 
 def assemble(binding: Binding, families: list[LMIFamily], relaxation: Relaxation) -> ConicProblem:
     """The conic problem of a binding whose scalars are fixed and whose LMIs were relaxed so."""

@@ -65,6 +65,12 @@ class Result:
         """svec of all LMIs at the solution."""
         return self.problem.matrix @ self.solution.x + self.problem.offset
 
+    def _repr_html_(self) -> str:
+        """What is reported, what was measured and the design, for notebooks."""
+        from lmic.pages.notebook import result_html
+
+        return result_html(self)
+
 
 def prepare(
     theorem: Theorem,

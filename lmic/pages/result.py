@@ -102,7 +102,7 @@ def reported(result: Result, certificate: Certificate | None = None) -> list[Rep
     known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     return [
         Reported(
-            mathml(f"{sp.latex(sp.Symbol(name))} = {sp.latex(result.theorem.reports[name])}"),
+            mathml(" = ".join(dict.fromkeys([sp.latex(sp.Symbol(name)), sp.latex(result.theorem.reports[name])]))),
             f"{value:.8g}",
             enclosure(certificate, name).replace("\\[", "[") if certificate else known,
         )
