@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,11 +29,15 @@ Array: TypeAlias = NDArray[Any]
 Values: TypeAlias = Mapping[sp.Symbol, Array]
 
 #: random points of the whole domain, beside those of the walk
-RANDOM = 2000
+RANDOM = 500
 #: random points of what does not walk, beside its vertices and centre
 BESIDE = 4
 #: combinations of what does not walk at each point of the walk
 COMBINATIONS = 64
+#: combinations among which these are chosen
+MANY = 4096
+#: cubes of orders over all points of an LMI: larger matrices are looked at in fewer
+WORK = 1e9
 #: entries of the matrices that are formed at once
 ENTRIES = 2**22
 
@@ -110,10 +114,10 @@ def _margin(problem: ConicProblem, family: LMIFamily, axes: Sequence[Axis], x: A
     mine = _occurring(lmi, axes)
     walking = _walking(problem, mine)
     least_imposed = _eigenvalues(lmi, x, family.weights)[1].min()
-    steps = _walked(problem, mine, walking, path)
+    steps = _walked(problem, mine, walking, path, lmi.order)
     _, relative = eigenvalues(lmi, x, steps)
     along = relative.reshape(-1, len(path)).min(axis=0) if steps else np.full(len(path), relative[0])
-    everywhere = _everywhere(mine, steps)
+    everywhere = _everywhere(mine, steps, int(np.clip(WORK / lmi.order**3, 1, RANDOM)))
     least, relative = eigenvalues(lmi, x, everywhere)
     worst = int(np.argmin(relative))
     where = ", ".join(f"{symbol} = {values[worst]:.4g}" for symbol, values in everywhere.items())
@@ -137,7 +141,9 @@ def _walking(problem: ConicProblem, axes: Sequence[Axis]) -> dict[str, str]:
     return found
 
 
-def _walked(problem: ConicProblem, axes: Sequence[Axis], walking: Mapping[str, str], path: Walk) -> dict[Any, Array]:
+def _walked(
+    problem: ConicProblem, axes: Sequence[Axis], walking: Mapping[str, str], path: Walk, order: int
+) -> dict[Any, Array]:
     """Values of all symbols: for each combination of what does not walk, all points of the walk."""
     moving: dict[sp.Symbol, Array] = {}
     for name, instance in walking.items():
@@ -156,9 +162,8 @@ def _walked(problem: ConicProblem, axes: Sequence[Axis], walking: Mapping[str, s
         corners = axis.domain.vertices
         points = np.vstack([corners, corners.mean(axis=0), axis.domain.sample(BESIDE, generator)])
         beside.append((axis, points))
-    choices = np.array(list(product(*(range(len(points)) for _, points in beside)))[: 50 * COMBINATIONS], dtype=int)
-    if len(choices) > COMBINATIONS:
-        choices = generator.permutation(choices)[:COMBINATIONS]
+    most = int(np.clip(WORK / (len(path) * order**3), 1, COMBINATIONS))
+    choices = _choices([len(points) for _, points in beside], [len(a.domain.vertices) for a, _ in beside], most)
     found = {symbol: np.tile(values, len(choices)) for symbol, values in moving.items()}
     for number, (axis, points) in enumerate(beside):
         for k, symbol in enumerate(axis.symbols):
@@ -166,12 +171,24 @@ def _walked(problem: ConicProblem, axes: Sequence[Axis], walking: Mapping[str, s
     return found
 
 
-def _everywhere(axes: Sequence[Axis], steps: Values) -> dict[sp.Symbol, Array]:
+def _choices(counts: Sequence[int], vertices: Sequence[int], most: int) -> Array:
+    """At most so many combinations, a row of numbers each; those of vertices, numbered first, before others."""
+    if not counts:
+        return np.zeros((1, 0), dtype=int)
+    generator = np.random.default_rng(0)
+    total = prod(counts)
+    numbers = generator.permutation(total) if total <= MANY else generator.integers(total, size=MANY)
+    choices = np.column_stack(np.unravel_index(numbers, counts))
+    between = (choices >= np.array(vertices)).sum(axis=1)
+    return choices[np.argsort(between, kind="stable")[:most]]
+
+
+def _everywhere(axes: Sequence[Axis], steps: Values, count: int) -> dict[sp.Symbol, Array]:
     """The points of the walk with all combinations, and random points of every axis."""
     generator = np.random.default_rng(1)
     found: dict[sp.Symbol, Array] = {}
     for axis in axes:
-        points = axis.domain.sample(RANDOM, generator)
+        points = axis.domain.sample(count, generator)
         for k, symbol in enumerate(axis.symbols):
             found[symbol] = np.concatenate([steps[symbol], points[:, k]])
     return found

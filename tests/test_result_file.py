@@ -247,6 +247,9 @@ def test_a_name_without_a_known_suffix_is_refused_before_solving(folder: Path) -
     assert "end the name in .json, .html, .npz, .mat, .tex" in answer.output
     with pytest.raises(FormatError):
         check_output(Path("result"))
+    answer = command("report", "result.json", "-o", "result.json")
+    assert answer.exit_code == 1
+    assert "end the name in .html" in answer.output
 
 
 def test_that_there_is_no_solution_is_stored_and_shown(tmp_path: Path) -> None:

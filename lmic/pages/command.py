@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from lmic.echo import echo_json
+from lmic.errors import FormatError
 from lmic.options import JSON
 
 
@@ -26,6 +27,8 @@ def report(result: Path, output: Path | None, theorem: str | None, as_json: bool
     from lmic.result_file import read_result
 
     page = output or result.with_suffix(".html")
+    if page.suffix.lower() != ".html":
+        raise FormatError(f"{page} would hold a page; end the name in .html")
     found, certificate = read_result(result, library.theorem(theorem) if theorem else None)
     write_page(found, certificate, page)
     if as_json:

@@ -20,8 +20,8 @@ from lmic.walk import Walk
 
 Array: TypeAlias = NDArray[Any]
 
-#: relative eigenvalues below this are rounding: the scale is linear there
-ROUNDING = 1e-8
+#: relative eigenvalues below this are shown on a linear scale, or below this share of the largest one
+LINEAR, SHARE = 1e-8, 1e-4
 #: small matrices in one row of a figure
 PANELS = 6
 #: cells of the picture of the solver's matrix, at most
@@ -54,6 +54,8 @@ def norms(path: Walk, found: Mapping[str, Array], bounds: Mapping[str, float]) -
 
 def eigenvalues(path: Walk, found: Sequence[Margin]) -> Figure:
     """Least relative eigenvalue of every LMI along a walk."""
+    along = np.array([margin.along for margin in found])
+    linear = 10.0 ** np.floor(np.log10(max(min(LINEAR, SHARE * float(np.abs(along).max())), 1e-16)))
 
     def draw(canvas: Any) -> None:
         axis = canvas.add_subplot()
@@ -64,15 +66,15 @@ def eigenvalues(path: Walk, found: Sequence[Margin]) -> Figure:
             if len(margin.held):
                 held = np.isin(path.position, margin.held)
                 axis.plot(path.position[held], margin.along[held], ".", color=line.get_color(), markersize=6)
-        low = min(0.0, *(float(margin.along.min()) for margin in found))
-        axis.set_yscale("symlog", linthresh=ROUNDING)
-        if low < -ROUNDING:
+        low = min(0.0, float(along.min()))
+        axis.set_yscale("symlog", linthresh=linear)
+        if low < -linear:
             axis.axhspan(2 * low, 0, color=RED, alpha=0.08, linewidth=0)
             axis.set_ylim(bottom=2 * low)
         axis.axhline(0, color=INK, linewidth=0.8)
         low, high = axis.get_ylim()
-        decades = [sign * 10.0**power for sign in (-1, 1) for power in range(-6, 1, 2)]
-        axis.set_yticks([0.0, *(tick for tick in decades if low <= tick <= high)])
+        decades = [sign * 10.0**power for sign in (-1, 1) for power in range(-14, 1, 2)]
+        axis.set_yticks([0.0, *(tick for tick in decades if low <= tick <= high and abs(tick) > linear)])
         axis.set_ylabel("least relative eigenvalue")
         axis.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
         _stops(axis, path)
@@ -81,7 +83,7 @@ def eigenvalues(path: Walk, found: Sequence[Margin]) -> Figure:
     held = " Dots mark where an LMI was imposed." if any(len(margin.held) for margin in found) else ""
     caption = (
         "Least eigenvalue of each LMI scaled to unit diagonal, over everything but what walks; below zero it fails. "
-        f"The scale is linear between ±1e-8.{held}"
+        f"The scale is linear between ±{linear:.0e}.{held}"
     )
     return drawn(draw, 2.4, words, caption)
 

@@ -14,7 +14,13 @@ from markupsafe import Markup
 from lmic import latex, latex_results
 from lmic.certify.certificate import Certificate
 from lmic.files import write_whole
-from lmic.language.systems import DelayedFornasiniMarchesini, FornasiniMarchesini, System
+from lmic.language.systems import (
+    ContinuousSystem,
+    DelayedFornasiniMarchesini,
+    DelaySystem,
+    FornasiniMarchesini,
+    System,
+)
 from lmic.margins import imposed, margins
 from lmic.norms import frozen_gain, frozen_peak
 from lmic.pages import plots
@@ -89,6 +95,7 @@ def _content(result: Result, certificate: Certificate | None) -> dict[str, Any]:
         "equations": equations(result)[:SHOWN],
         "left_out": max(0, len(equations(result)) - SHOWN),
         "behaviour": list(filter(None, _behaviour(result, path))) if usable else [],
+        "absent": absent(result),
         "unknowns": unknowns(result) if usable else [],
         "machine": machine(),
         "made": datetime.now(UTC),
@@ -163,6 +170,19 @@ def unknowns(result: Result) -> list[tuple[str, Markup]]:
 
 
 # What the design does --------------------------------------------------------------------------------
+
+
+def absent(result: Result) -> list[str]:
+    """Why a figure is missing."""
+    systems = [bound.system for bound in result.theorem.guarantees]
+    found = []
+    if any(isinstance(system, (DelaySystem, DelayedFornasiniMarchesini)) for system in systems):
+        found.append("Nothing is simulated: the statement leaves the delays open.")
+    elif any(isinstance(system, ContinuousSystem) for system in systems):
+        found.append("Nothing is simulated: trajectories are computed in discrete time and over the plane.")
+    if any(isinstance(system, (FornasiniMarchesini, DelayedFornasiniMarchesini)) for system in systems):
+        found.append("There is no picture of poles: those of a 2-D system are curves in two variables.")
+    return found
 
 
 def _behaviour(result: Result, path: Walk) -> list[Figure | None]:
