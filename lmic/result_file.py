@@ -28,6 +28,7 @@ from lmic.fingerprint import digest, promises, statement
 from lmic.language.theorem import Theorem
 from lmic.layout import UnknownLayout
 from lmic.pipeline import Result, compile, reports
+from lmic.plants.expressions import quoted
 from lmic.recover import recover
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
@@ -48,7 +49,7 @@ def write_result(
     certificate: Certificate | None = None,
     theorem: str = "",
 ) -> None:
-    """Write the file; ``theorem`` is where a theorem is found that is not one of the library.
+    """Write the file; ``theorem`` is what it calls the theorem: its name, or the path of a file of one's own.
 
     Raises CertificateError for a plant that no plant file can state.
     """
@@ -61,17 +62,13 @@ def write_result(
 def read_result(path: str | os.PathLike[str], theorem: Theorem | None = None) -> tuple[Result, Certificate | None]:
     """The result in a file, compiled anew and not solved, and the certificate that was made of it.
 
-    ``theorem`` is the statement where it is not found under the name in the file. The dual matrices are not kept.
+    ``theorem`` is the statement where it is not one of the library. The dual matrices are not kept.
     Raises ResultError, naming the file, where it is damaged or its theorem is another by now.
     """
     file = Path(path)
     tables = _parsed(file)
     try:
-        found = theorem or library.theorem(tables["theorem"])
-    except LmicError as error:
-        raise ResultError(f"{file}: its theorem is not found: {error}; or name its file with --theorem") from error
-    try:
-        return _result(tables, found)
+        return _result(tables, theorem or _library_theorem(tables["theorem"]))
     except ResultError as error:
         raise ResultError(f"{file}: {error}") from error
     except LmicError as error:
@@ -146,6 +143,8 @@ def _parsed(file: Path) -> dict[str, Any]:
         raise ResultError(f"{file} holds more than {MAX_BYTES >> 20} MiB, which no result does")
     try:
         tables = json.loads(content.decode("utf-8"))
+        stated = tables.pop("sha256", None) if isinstance(tables, dict) else None
+        intact = stated == digest(tables)
     except (ValueError, RecursionError) as error:
         raise ResultError(f"{file} is not valid JSON ({error}); give a file of lmic solve -o RESULT.json") from error
     kind = tables.get("format") if isinstance(tables, dict) else None
@@ -155,10 +154,17 @@ def _parsed(file: Path) -> dict[str, Any]:
         )
     if kind != FORMAT:
         raise ResultError(f"{file} is not of the format '{FORMAT}'; write it with lmic solve -o RESULT.json")
-    if tables.pop("sha256", None) != digest(tables):
+    if not intact:
         raise ResultError(f"{file} does not have the checksum that it states: it was changed or cut; solve again")
     found: dict[str, Any] = tables
     return found
+
+
+def _library_theorem(name: Any) -> Theorem:
+    """A theorem of the library; a file that a result names is Python, and not run on its word."""
+    if not isinstance(name, str) or name.endswith(".py") or ".py:" in name or "/" in name:
+        raise ResultError(f"its theorem, {quoted(name)}, is not one of the library; name its file with --theorem")
+    return library.theorem(name)
 
 
 def _result(tables: Mapping[str, Any], theorem: Theorem) -> tuple[Result, Certificate | None]:

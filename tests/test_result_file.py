@@ -24,8 +24,11 @@ from lmic.fingerprint import digest
 from lmic.output import check_output
 from lmic.pipeline import Result
 from lmic.plants.plant import Plant
+from lmic.recover import recover
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
+from lmic.solve.cone import Status
+from lmic.solve.solution import Solution
 
 MODES = {
     "A": [[[0.5, 0.2], [0, 0.4]], [[0.1, "1/2"], [-0.3, 0.6]]],
@@ -98,6 +101,31 @@ def test_every_choice_is_kept(chosen: Result, tmp_path: Path) -> None:
     read, _ = lmic.read_result(tmp_path / "chosen.json")
     same(read, chosen)
     assert read.problem.relaxation == chosen.problem.relaxation
+
+
+@pytest.mark.parametrize(
+    ("name", "plant", "grid"),
+    [("mustafa.theorem3", "mustafa/example1.toml", {"h": 4}), ("chen2006.theorem4", "chen2006/example1_lft.toml", {})],
+)
+def test_exponentials_and_fractions_of_a_plant_are_kept(
+    name: str, plant: str, grid: dict[str, int], tmp_path: Path
+) -> None:
+    theorem = library.theorem(name)
+    given = {symbol.name: 1 for symbol in theorem.givens}
+    problem = lmic.compile(theorem, lmic.read_plant(library.root() / plant), given, relaxation=Relaxation(grid=grid))
+    solution = replace(blank(), x=np.random.default_rng(1).standard_normal(problem.size))
+    value = float(problem.cost @ solution.x) + problem.constant
+    result = Result(problem, replace(solution, value=value), recover(problem, solution.x), {}, 0.0)
+    lmic.write_result(result, tmp_path / "plant.json")
+    read, _ = lmic.read_result(tmp_path / "plant.json")
+    assert read.solution.x.tobytes() == solution.x.tobytes()
+    assert (read.problem.columns != problem.columns).nnz == 0
+
+
+def blank() -> Solution:
+    """An answer of which nothing is said."""
+    zero = np.zeros(0)
+    return Solution(Status.SOLVED, zero, 0.0, 0.0, 0.0, 0.0, 0.0, "", zero, 0, "none", (), ())
 
 
 def test_a_dimension_that_no_matrix_fixes_is_kept(tmp_path: Path) -> None:
@@ -176,7 +204,9 @@ def _worse(tables: dict[str, Any]) -> None:
         (lambda t: t.update(solution=[]), "lacks what a result holds"),
         (lambda t: t["solution"].update(status="splendid"), "lacks what a result holds"),
         (lambda t: t.update(statement="0"), "has been changed since"),
-        (lambda t: t.update(theorem="standard.absent"), "theorem is not found"),
+        (lambda t: t.update(theorem="standard.absent"), "there is no theorem 'standard.absent'"),
+        (lambda t: t.update(theorem="/tmp/mine.py"), "is not one of the library; name its file with --theorem"),
+        (lambda t: t.update(theorem="mine.py:robust"), "is not one of the library"),
         (lambda t: t.update(certificate="{}"), "format"),
     ],
 )
@@ -215,9 +245,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_solve_stores_and_report_makes_a_page(folder: Path) -> None:
     answer = command("solve", "./mine.py", "--plant", "plant.toml", "-o", "result.json")
     assert answer.exit_code == 0, answer.output
-    answer = command("report", "result.json")
+    answer = command("report", "result.json", "--theorem", "./mine.py")
     assert (answer.exit_code, answer.output) == (0, "result.html\n")
-    answer = command("report", "result.json", "-o", "page.html", "--json")
+    answer = command("report", "result.json", "--theorem", "./mine.py", "-o", "page.html", "--json")
     record = json.loads(answer.output)
     assert record["reports"]["gamma"] == pytest.approx(7 / 3, rel=1e-6)  # C (I − A)⁻¹ B at the first vertex
     assert "2.3333333" in (folder / "page.html").read_text("utf-8")
@@ -226,12 +256,12 @@ def test_solve_stores_and_report_makes_a_page(folder: Path) -> None:
     assert "2.3333333" in (folder / "direct.html").read_text("utf-8")
 
 
-def test_a_theorem_that_moved_or_changed(folder: Path) -> None:
+def test_a_theorem_of_ones_own_is_named_and_must_be_the_same(folder: Path) -> None:
     command("solve", "./mine.py", "--plant", "plant.toml", "-o", "result.json")
     Path("mine.py").rename("moved.py")
     answer = command("report", "result.json")
     assert answer.exit_code == 1
-    assert "name its file with --theorem" in answer.output
+    assert "its theorem, './mine.py', is not one of the library; name its file with --theorem" in answer.output
     assert command("report", "result.json", "--theorem", "./moved.py").exit_code == 0
     Path("moved.py").write_text(THEOREM.replace("gamma*I(nz)", "2*gamma*I(nz)"), "utf-8")
     Path("result.html").unlink()

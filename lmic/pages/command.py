@@ -14,7 +14,7 @@ from lmic.options import JSON
 @click.command()
 @click.argument("result", type=click.Path(path_type=Path))
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Page to write.  [default: RESULT with .html]")
-@click.option("--theorem", metavar="PATH", help="The theorem file, where it is not found as it was when solving.")
+@click.option("--theorem", metavar="PATH", help="The theorem file, where the theorem is not one of the library.")
 @JSON
 def report(result: Path, output: Path | None, theorem: str | None, as_json: bool) -> None:
     """Make a page of a result that 'lmic solve -o RESULT.json' stored, without solving again.
