@@ -198,6 +198,15 @@ def test_a_simulation_keeps_the_bound(filtered: Result, bounded: Result) -> None
         assert np.abs(found.e[-1]).max() < 1e-3 * np.abs(found.e).max()
 
 
+def test_what_does_not_vary_has_numbers_in_place_of_curves() -> None:
+    plant = Plant.polytopic("rho", A=[[0.5]], B=[[1]], C=[[1]], D=[[0]])
+    still = replace(plant, domains={})
+    result = lmic.run(lmic.compile(library.theorem("standard.bounded_real_discrete"), still))
+    page = Words(report(result))
+    assert "H∞ norm 2, bound 2." in page.words  # 1/(z - 0.5) at z = 1
+    assert page.tags.count("img") == 4  # entries, the solver's matrix, poles, the simulation
+
+
 def test_poles_and_zeros_of_the_filter(filtered: Result) -> None:
     path = walk(filtered.problem.binding.domains, 5)
     found = spectra(filtered.design, path)

@@ -8,39 +8,23 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from markupsafe import Markup
 
 from lmic import latex, latex_results
 from lmic.certify.certificate import Certificate
 from lmic.files import write_whole
-from lmic.language.systems import (
-    ContinuousSystem,
-    DelayedFornasiniMarchesini,
-    DelaySystem,
-    FornasiniMarchesini,
-    System,
-)
 from lmic.margins import imposed, margins
-from lmic.norms import frozen_gain, frozen_peak
-from lmic.pages import plots
-from lmic.pages.figures import Figure
+from lmic.pages import behaviour, plots
 from lmic.pages.report import machine
 from lmic.pages.site import render
 from lmic.pages.statement import mathml, statement
 from lmic.pipeline import Result
 from lmic.relax.family import Soundness
 from lmic.reporting import enclosure, family_record, infeasibility
-from lmic.simulate.typical import typical
-from lmic.spectra import spectra
-from lmic.walk import Walk, walk
+from lmic.walk import walk
 
 #: matrices of a design that a page shows, and rows up to which it shows an unknown's
 SHOWN, ROWS = 24, 12
-#: points of a walk at which a norm is computed: one of a 2-D system takes a tenth of a second, with delays far longer
-NORMS, PLANE_NORMS, DELAYED_NORMS = 41, 17, 3
-#: points at which poles are drawn
-POLES = 31
 
 MEANING = {
     Soundness.EXACT: "the finite LMIs hold if and only if they hold on the whole domain",
@@ -94,8 +78,8 @@ def _content(result: Result, certificate: Certificate | None) -> dict[str, Any]:
         "eigenvalues": plots.eigenvalues(line, found) if usable and len(path) > 1 else None,
         "equations": equations(result)[:SHOWN],
         "left_out": max(0, len(equations(result)) - SHOWN),
-        "behaviour": list(filter(None, _behaviour(result, path))) if usable else [],
-        "absent": absent(result),
+        "behaviour": behaviour.figures(result, path) if usable else [],
+        "remarks": behaviour.remarks(result, path) if usable else [],
         "unknowns": unknowns(result) if usable else [],
         "machine": machine(),
         "made": datetime.now(UTC),
@@ -167,59 +151,3 @@ def unknowns(result: Result) -> list[tuple[str, Markup]]:
         ]
         found.append((name, mathml(f"{written[name]} = {' + '.join(terms)}")))
     return found
-
-
-# What the design does --------------------------------------------------------------------------------
-
-
-def absent(result: Result) -> list[str]:
-    """Why a figure is missing."""
-    systems = [bound.system for bound in result.theorem.guarantees]
-    found = []
-    if any(isinstance(system, (DelaySystem, DelayedFornasiniMarchesini)) for system in systems):
-        found.append("Nothing is simulated: the statement leaves the delays open.")
-    elif any(isinstance(system, ContinuousSystem) for system in systems):
-        found.append("Nothing is simulated: trajectories are computed in discrete time and over the plane.")
-    if any(isinstance(system, (FornasiniMarchesini, DelayedFornasiniMarchesini)) for system in systems):
-        found.append("There is no picture of poles: those of a 2-D system are curves in two variables.")
-    return found
-
-
-def _behaviour(result: Result, path: Walk) -> list[Figure | None]:
-    return [_norms(result, path), _poles(result, path), _simulation(result)]
-
-
-def _norms(result: Result, path: Walk) -> Figure | None:
-    """Norms of the systems of all guarantees at frozen parameters; None where there is none to draw."""
-    found: dict[str, Any] = {}
-    bounds: dict[str, float] = {}
-    drawn = path
-    for bound in result.theorem.guarantees:
-        drawn = path.thinned(_points(bound.system))
-    for bound in result.theorem.guarantees:
-        norm = frozen_peak if bound.norm == "energy to peak" else frozen_gain
-        values = norm(result.design, bound.system, drawn.points)
-        name = "energy-to-peak norm" if bound.norm == "energy to peak" else "H∞ norm"
-        if values is not None:
-            found[name], bounds[name] = np.broadcast_to(values, (len(drawn),)), result.reports[bound.report]
-    return plots.norms(drawn, found, bounds) if found and len(drawn) > 1 else None
-
-
-def _points(system: System) -> int:
-    if isinstance(system, DelayedFornasiniMarchesini):
-        return DELAYED_NORMS
-    return PLANE_NORMS if isinstance(system, FornasiniMarchesini) else NORMS
-
-
-def _poles(result: Result, path: Walk) -> Figure | None:
-    drawn = path.thinned(POLES)
-    found = spectra(result.design, drawn)
-    return None if found is None else plots.poles(found, drawn)
-
-
-def _simulation(result: Result) -> Figure | None:
-    found = typical(result)
-    if found is None:
-        return None
-    bound = result.theorem.guarantees[0]
-    return plots.simulation(found, result.reports[bound.report], bound.norm)
