@@ -7,7 +7,7 @@ everywhere is said by the soundness of its relaxation, and proven by a certifica
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from typing import Any, TypeAlias
 
@@ -23,7 +23,7 @@ from lmic.relax.grid import grid_points
 from lmic.relax.relax import chosen_grid
 from lmic.relax.space import Axis, space
 from lmic.solve.whole import ROUNDING
-from lmic.walk import Walk
+from lmic.walk import Chart, Walk
 
 Array: TypeAlias = NDArray[Any]
 Values: TypeAlias = Mapping[sp.Symbol, Array]
@@ -65,11 +65,27 @@ class Margin:
         """Whether the LMI holds, up to rounding, at every point that was looked at."""
         return self.found >= min(self.imposed, 0.0) - 1e-9
 
+    def joined(self, other: Margin) -> Margin:
+        """With what was found of the same LMI at other points."""
+        lower = min(self, other, key=lambda margin: margin.found)
+        return replace(self, found=lower.found, where=lower.where, least=min(self.least, other.least))
+
 
 def margins(problem: ConicProblem, x: Array, path: Walk) -> list[Margin]:
     """The margins of every LMI at the unknowns ``x``, along a walk through the parameters' domains and at random."""
     axes = space(problem.binding, problem.relaxation.ties).axes
     return [_margin(problem, family, axes, x, path) for family in problem.families]
+
+
+def over(problem: ConicProblem, x: Array, place: Chart, lmi: str) -> tuple[Margin, tuple[Array, Array]]:
+    """The margin of one LMI over a chart, and at which values of its two components that LMI was imposed."""
+    axes = space(problem.binding, problem.relaxation.ties).axes
+    family = next(family for family in problem.families if family.lmi.place.lmi == lmi)
+    margin = _margin(problem, family, axes, x, place.points)
+    lines = [replace(place.points, component=name) for name in place.names]
+    mine = _occurring(family.lmi, axes)
+    u, v = (_held(problem, family, mine, _walking(problem, mine), line) for line in lines)
+    return margin, (u, v)
 
 
 def imposed(problem: ConicProblem, path: Walk) -> Array:

@@ -1,4 +1,4 @@
-"""A walk through the parameters' domain: a line along which a function of the parameters can be drawn.
+"""A walk through the parameters' domain: a line along which a function of the parameters can be drawn, or a map.
 
 One parameter with one free component is walked from end to end. Any other domain is walked from vertex to vertex, each
 to the nearest that is left, back to the first and on to the centre.
@@ -22,6 +22,8 @@ Array: TypeAlias = NDArray[Any]
 POINTS = 121
 #: vertices that a walk visits at most
 VERTICES = 8
+#: points of a map in each direction
+SIDE = 25
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,46 @@ class Walk:
         while step > 1 and (len(self) - 1) // legs % step:
             step -= 1
         return self.at(np.arange(0, len(self), step))
+
+
+@dataclass(frozen=True)
+class Chart:
+    """The points of a domain with two free components, ``names``, on a grid of their values ``u`` and ``v``.
+
+    ``inside`` tells which of the grid's places, shape (v, u), lie in the domain; ``points`` are those, in their order.
+    """
+
+    names: tuple[str, str]
+    u: Array
+    v: Array
+    inside: Array
+    points: Walk
+
+
+def chart(domains: Mapping[str, Domain], count: int = SIDE) -> Chart | None:
+    """A chart of all domains together; None where not just two components vary freely."""
+    free = [component for domain in domains.values() for component in _free(domain)]
+    if len(free) != 2:
+        return None
+    ends = {c: (v.min(), v.max()) for d in domains.values() for c, v in zip(d.components, d.vertices.T, strict=True)}
+    u, v = (np.linspace(*ends[component], count) for component in free)
+    grid = dict(zip(free, (places.ravel() for places in np.meshgrid(u, v)), strict=True))
+    inside, points = np.ones(count**2, dtype=bool), {}
+    for name, domain in domains.items():
+        columns = [grid.get(c, np.full(count**2, ends[c][0])) for c in domain.components]
+        if domain.kind == "simplex":
+            columns[0] = 1 - sum(columns[1:], np.zeros(count**2))
+        points[name] = np.column_stack(columns)
+        inside &= domain.contains(points[name])
+    kept = Walk({name: values[inside] for name, values in points.items()}, np.arange(inside.sum()), "", ())
+    return Chart((free[0], free[1]), u, v, inside.reshape(count, count), kept)
+
+
+def _free(domain: Domain) -> tuple[str, ...]:
+    """Components that vary freely: on a simplex all but the first follow from no other."""
+    if domain.kind == "simplex":
+        return domain.components[1:]
+    return tuple(c for c, values in zip(domain.components, domain.vertices.T, strict=True) if np.ptp(values) > 0)
 
 
 def walk(domains: Mapping[str, Domain], count: int = POINTS) -> Walk:

@@ -15,8 +15,8 @@ from IPython.core.formatters import DisplayFormatter
 import lmic
 from lmic import library
 from lmic.domains import BoxDomain, Motion, SimplexDomain
-from lmic.dsl import PD, Data, I, Source, Symmetric, Theorem, dims
-from lmic.margins import eigenvalues, imposed, margins
+from lmic.dsl import PD, Box, Data, He, I, Scalar, Source, Symmetric, Theorem, dims
+from lmic.margins import eigenvalues, imposed, margins, over
 from lmic.pages import plots
 from lmic.pages.result import report
 from lmic.pipeline import Result
@@ -26,7 +26,7 @@ from lmic.relax.relax import Relaxation
 from lmic.sampling import cover
 from lmic.simulate.typical import parameters_along, typical
 from lmic.spectra import spectra
-from lmic.walk import walk
+from lmic.walk import chart, walk
 
 ROOT = library.root()
 
@@ -148,6 +148,48 @@ def test_one_free_component_is_walked_from_end_to_end() -> None:
     path = path.through(np.array([0.25, 0.5]))
     assert len(path) == 12
     assert path.points["alpha"][3] == pytest.approx([0.75, 0.25])
+
+
+def test_a_chart_covers_a_domain_of_two_free_components() -> None:
+    box = BoxDomain(("p", "q", "s"), (0, -1, 2), (1, 3, 2))  # type: ignore[arg-type]
+    place = chart({"rho": box}, 5)
+    assert place is not None
+    assert place.names == ("p", "q")
+    assert place.inside.all()
+    assert place.points.points["rho"].max(axis=0) == pytest.approx([1, 3, 2])
+    place = chart({"alpha": SimplexDomain.named("alpha", 3)}, 5)
+    assert place is not None
+    assert place.inside.sum() == len(place.points) == 15  # the places of a triangle
+    assert SimplexDomain.named("alpha", 3).contains(place.points.points["alpha"]).all()
+    assert chart({"alpha": SimplexDomain.named("alpha", 2)}) is None
+    assert chart({"alpha": SimplexDomain.named("alpha", 4)}) is None
+
+
+def test_a_map_shows_where_a_grid_of_two_parameters_fails() -> None:
+    # the least P above 1/2 + 2 p (1 − p) q at the corners of [0, 1]² is 1/2, and fails between them
+    n = dims("n")[0]
+    rho = Box("rho")
+    U, P, t = Data("U", n, n)(rho), Symmetric("P", n), Scalar("t")
+    statement = Theorem(
+        {"above": PD(He(P) - He(U)), "size": PD(t * I(n) - P)}, Source("A", "T", "V", 1996), minimise=t, name="bump"
+    )
+    tables = {
+        "name": "bump",
+        "parameters": {"rho": {"box": {"p": ["0", "1"], "q": ["0", "1"]}}},
+        "matrices": {"U": [["1/2 + 2*p*(1 - p)*q"]]},
+    }
+    plant = plant_of_tables(tables, "bump")
+    result = lmic.run(lmic.compile(statement, plant, relaxation=Relaxation(grid={"rho": 2})))
+    place = chart(result.problem.binding.domains, 5)
+    assert place is not None
+    margin, held = over(result.problem, result.solution.x, place, "above")
+    assert [list(ends) for ends in held] == [[0, 1], [0, 1]]
+    values = np.full((5, 5), np.nan)
+    values[place.inside] = margin.along
+    # P = 1/2 there, so that 2 (P − U) = −4 p (1 − p) q, which is −1 relative to its own size wherever it is not zero
+    assert values[4, 2] == pytest.approx(-1.0)
+    assert margin.least == pytest.approx(-1.0, abs=1e-6)
+    assert "red where it fails" in report(result)
 
 
 @pytest.mark.parametrize("count", [3, 5])

@@ -16,7 +16,7 @@ from lmic.pages.figures import BLUE, INK, RED, SOFT, Figure, drawn, symbol
 from lmic.relax.family import LMIFamily
 from lmic.simulate.trajectory import Trajectory
 from lmic.spectra import Spectra
-from lmic.walk import Walk
+from lmic.walk import Chart, Walk
 
 Array: TypeAlias = NDArray[Any]
 
@@ -55,7 +55,7 @@ def norms(path: Walk, found: Mapping[str, Array], bounds: Mapping[str, float]) -
 def eigenvalues(path: Walk, found: Sequence[Margin]) -> Figure:
     """Least relative eigenvalue of every LMI along a walk."""
     along = np.array([margin.along for margin in found])
-    linear = 10.0 ** np.floor(np.log10(max(min(LINEAR, SHARE * float(np.abs(along).max())), 1e-16)))
+    linear = _linear(along)
 
     def draw(canvas: Any) -> None:
         axis = canvas.add_subplot()
@@ -86,6 +86,35 @@ def eigenvalues(path: Walk, found: Sequence[Margin]) -> Figure:
         f"The scale is linear between ±{linear:.0e}.{held}"
     )
     return drawn(draw, 2.4, words, caption)
+
+
+def over(place: Chart, margin: Margin, held: tuple[Array, Array]) -> Figure:
+    """Least relative eigenvalue of one LMI over a domain of two free components; ``held`` as of :class:`Margin`."""
+    values = np.full(place.inside.shape, np.nan)
+    values[place.inside] = margin.along
+    size = float(np.abs(margin.along).max())
+    linear = _linear(margin.along)
+
+    def draw(canvas: Any) -> None:
+        from matplotlib.colors import SymLogNorm
+
+        axis = canvas.add_subplot()
+        norm = SymLogNorm(linear, vmin=-size, vmax=size)
+        image = axis.pcolormesh(place.u, place.v, values, cmap="RdBu", norm=norm, shading="nearest", rasterized=True)
+        dots = np.array(np.meshgrid(*held)).reshape(2, -1)
+        axis.plot(*dots, ".", color=INK, markersize=4, clip_on=False)
+        axis.grid(visible=False)
+        axis.set_xlabel(symbol(place.names[0]))
+        axis.set_ylabel(symbol(place.names[1]))
+        decades = [sign * 10.0**power for sign in (-1, 1) for power in range(-14, 1, 2)]
+        bar = canvas.colorbar(image, ax=axis, label=f"least relative eigenvalue of {margin.lmi}")
+        bar.set_ticks([0.0, *(tick for tick in decades if linear < abs(tick) <= size)], minor=False)
+        bar.minorticks_off()
+
+    words = f"{margin.lmi} at least {margin.along.min():.1e}"
+    dotted = " Dots mark where it was imposed." if all(map(len, held)) else ""
+    caption = f"The same over the whole domain for {margin.lmi}: red where it fails, {words}.{dotted}"
+    return drawn(draw, 2.9, words, caption)
 
 
 def poles(found: Spectra, path: Walk) -> Figure:
@@ -263,6 +292,11 @@ def _two_colours(color: str) -> Any:
     from matplotlib.colors import ListedColormap
 
     return ListedColormap(["#00000000", color])
+
+
+def _linear(values: Array) -> float:
+    """Where the scale of relative eigenvalues is linear."""
+    return float(10.0 ** np.floor(np.log10(max(min(LINEAR, SHARE * float(np.abs(values).max())), 1e-16))))
 
 
 def _stops(axis: Any, path: Walk) -> None:

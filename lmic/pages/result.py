@@ -13,15 +13,16 @@ from markupsafe import Markup
 from lmic import latex, latex_results
 from lmic.certify.certificate import Certificate
 from lmic.files import write_whole
-from lmic.margins import imposed, margins
+from lmic.margins import Margin, imposed, margins, over
 from lmic.pages import behaviour, plots
+from lmic.pages.figures import Figure
 from lmic.pages.report import machine
 from lmic.pages.site import render
 from lmic.pages.statement import mathml, statement
 from lmic.pipeline import Result
 from lmic.relax.family import Soundness
 from lmic.reporting import enclosure, family_record, infeasibility
-from lmic.walk import walk
+from lmic.walk import chart, walk
 
 #: matrices of a design that a page shows, and rows up to which it shows an unknown's
 SHOWN, ROWS = 24, 12
@@ -58,7 +59,7 @@ def _content(result: Result, certificate: Certificate | None) -> dict[str, Any]:
     usable = solution.status.usable
     path = walk(problem.binding.domains)
     line = path.through(imposed(problem, path))
-    found = margins(problem, solution.x, line) if usable else []
+    found, charted = _charted(result, margins(problem, solution.x, line) if usable else [])
     return {
         "title": result.theorem.title or result.theorem.name,
         "theorem": statement(result.theorem),
@@ -76,6 +77,7 @@ def _content(result: Result, certificate: Certificate | None) -> dict[str, Any]:
         "margins": found,
         "failing": [margin for margin in found if not margin.holds],
         "eigenvalues": plots.eigenvalues(line, found) if usable and len(path) > 1 else None,
+        "map": charted,
         "equations": equations(result)[:SHOWN],
         "left_out": max(0, len(equations(result)) - SHOWN),
         "behaviour": behaviour.figures(result, path) if usable else [],
@@ -84,6 +86,16 @@ def _content(result: Result, certificate: Certificate | None) -> dict[str, Any]:
         "machine": machine(),
         "made": datetime.now(UTC),
     }
+
+
+def _charted(result: Result, found: list[Margin]) -> tuple[list[Margin], Figure | None]:
+    """The margins, and over a domain of two free components a map of the least of them, with what it finds."""
+    place = chart(result.problem.binding.domains)
+    if place is None or not found:
+        return found, None
+    worst = min(found, key=lambda margin: margin.found)
+    margin, held = over(result.problem, result.solution.x, place, worst.lmi)
+    return [one.joined(margin) if one is worst else one for one in found], plots.over(place, margin, held)
 
 
 def reported(result: Result, certificate: Certificate | None = None) -> list[Reported]:
