@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from lmic.interchange.models import cvxpy_problem as cvxpy_problem
     from lmic.interchange.models import picos_problem as picos_problem
     from lmic.library import theorem as theorem
+    from lmic.pages.result import report as report
     from lmic.pipeline import compile as compile
     from lmic.pipeline import finish as finish
     from lmic.pipeline import prepare as prepare
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from lmic.plants.plant import Plant as Plant
     from lmic.relax.grid import Grid as Grid
     from lmic.relax.relax import Relaxation as Relaxation
+    from lmic.result_file import read_result as read_result
+    from lmic.result_file import write_result as write_result
     from lmic.search import bisect as bisect
     from lmic.search import line_search as line_search
     from lmic.solve.registry import solvers as solvers
@@ -50,12 +53,15 @@ _HOME = {
     "read_certificate": "lmic.certify.certificate_file",
     "read_plant": "lmic.plants.files",
     "read_problem": "lmic.interchange.formats",
+    "read_result": "lmic.result_file",
+    "report": "lmic.pages.result",
     "run": "lmic.pipeline",
     "solvers": "lmic.solve.registry",
     "sweep": "lmic.sweeps.sweep",
     "theorem": "lmic.library",
     "verify": "lmic.certify.verify",
     "write_problem": "lmic.interchange.formats",
+    "write_result": "lmic.result_file",
 }
 
 __all__ = list(_HOME)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -15,6 +15,7 @@ from lmic.bind import Binding
 from lmic.columns import stacked
 from lmic.layout import Layout
 from lmic.relax.family import LMIFamily, Soundness
+from lmic.relax.relax import Relaxation
 
 Array: TypeAlias = NDArray[Any]
 
@@ -24,13 +25,15 @@ class ConicProblem:
     """minimise cost·x + constant subject to F_k(x) ⪰ 0 for every LMI of every family.
 
     A feasibility problem has ``cost`` zero. ``matrix`` and ``offset`` hold svec(F_k(x)) =
-    matrix·x + offset, the LMIs one after another in the order of :meth:`blocks`.
+    matrix·x + offset, the LMIs one after another in the order of :meth:`blocks`. ``relaxation`` is how the
+    families were made.
     """
 
     binding: Binding
     families: tuple[LMIFamily, ...]
     cost: Array
     constant: float
+    relaxation: Relaxation = field(default_factory=Relaxation)
 
     @property
     def layout(self) -> Layout:
@@ -94,7 +97,7 @@ class ConicProblem:
             start += len(family)
             if len(mine):
                 families.append(family.subset(mine))
-        return ConicProblem(self.binding, tuple(families), self.cost, self.constant)
+        return replace(self, families=tuple(families))
 
     def label(self, index: int) -> str:
         """Name of the LMI number ``index``: performance, alpha: alpha1^2, alpha+: vertex 2."""
@@ -104,11 +107,17 @@ class ConicProblem:
             index -= len(family)
         raise IndexError(index)
 
+    def _repr_html_(self) -> str:
+        """Sizes and relaxations, for notebooks."""
+        from lmic.pages.notebook import problem_html
 
-def assemble(binding: Binding, families: list[LMIFamily]) -> ConicProblem:
-    """The conic problem of a binding whose scalars are fixed."""
-    size = binding.layout.size
-    if binding.objective is None:
-        return ConicProblem(binding, tuple(families), np.zeros(size), 0.0)
-    row = binding.objective.evaluate({s: np.array([v]) for s, v in binding.values.items()})[0, 0]
-    return ConicProblem(binding, tuple(families), row[1:], float(row[0]))
+        return problem_html(self)
+
+
+def assemble(binding: Binding, families: list[LMIFamily], relaxation: Relaxation) -> ConicProblem:
+    """The conic problem of a binding whose scalars are fixed and whose LMIs were relaxed so."""
+    cost, constant = np.zeros(binding.layout.size), 0.0
+    if binding.objective is not None:
+        row = binding.objective.evaluate({s: np.array([v]) for s, v in binding.values.items()})[0, 0]
+        cost, constant = row[1:], float(row[0])
+    return ConicProblem(binding, tuple(families), cost, constant, relaxation)

@@ -15,6 +15,7 @@ from lmic.authoring.command import check, new
 from lmic.echo import echo_json
 from lmic.errors import LmicError
 from lmic.options import JSON, Choices, compiling, needed, numbers, refuse_with_file
+from lmic.pages.command import report
 from lmic.sweeps.command import sweep
 
 PLANT_HELP = "Plant file: .toml, .json, .mat or .npz."
@@ -60,6 +61,7 @@ def main() -> None:
 main.add_command(sweep)
 main.add_command(new)
 main.add_command(check)
+main.add_command(report)
 
 
 @main.command("list")
@@ -157,7 +159,7 @@ def latex(name: str, document: bool, mathml: bool, output: Path | None, as_json:
     "-o",
     "--output",
     type=click.Path(path_type=Path),
-    help="Write the recovered design at the domains' vertices: .npz, .mat or .tex.",
+    help="Write the result (.json), a page of it (.html), or the design at the domains' vertices (.npz, .mat, .tex).",
 )
 @JSON
 def solve(

@@ -96,6 +96,10 @@ class CertificateError(LmicError):
     """A certificate is malformed, or states what cannot be proven."""
 
 
+class ResultError(LmicError):
+    """The file of a result is damaged, or its theorem is another by now."""
+
+
 class FormatError(LmicError):
     """A file of a semidefinite program is damaged, or states what lmic does not take."""
 

@@ -45,6 +45,12 @@ def statement_lmis(statement: Theorem) -> dict[str, LMI]:
     }
 
 
+def notation(statement: Theorem) -> dict[str, str]:
+    """How the paper writes each unknown, by its name."""
+    scalars = {symbol.name: sp.latex(symbol) for symbol in statement.scalar_unknowns}
+    return scalars | {name: sp.latex(leaf) for name, leaf in statement.unknowns.items()}
+
+
 def theorem(statement: Theorem) -> str:
     """All LMIs of a theorem as one ``align``, each with its number and its label eq:THEOREM:LMI (needs amsmath)."""
     lines = [f"&{matrix(lmi)} \\label{{eq:{statement.name}:{name}}}" for name, lmi in statement_lmis(statement).items()]

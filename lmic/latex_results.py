@@ -43,22 +43,27 @@ def matrix(values: Array, digits: int = 5) -> str:
 
 def design(result: Result, digits: int = 5) -> str:
     """The recovered matrices as an ``align*``: at the vertices of the parameters' domains, or once where constant."""
+    lines = [f"{left} &= {right}" for left, right in equations(result, digits)]
+    return "\\begin{align*}\n" + " \\\\\n".join(lines) + "\n\\end{align*}"
+
+
+def equations(result: Result, digits: int = 5) -> list[tuple[str, str]]:
+    """Both sides of an equation for each recovered matrix: at every vertex, or once where it is constant."""
     points = vertex_points(result.problem.binding.domains)
-    matrices = result.design(**points)
-    lines = []
-    for name, found in matrices.items():
-        stack = found if found.ndim == 3 else found[None]
+    found = []
+    for name, matrices in result.design(**points).items():
+        stack = matrices if matrices.ndim == 3 else matrices[None]
         symbol = sp.latex(sp.Symbol(name))
         if (stack == stack[0]).all():
-            lines.append(f"{symbol} &= {matrix(stack[0], digits)}")
+            found.append((symbol, matrix(stack[0], digits)))
             continue
         for k, values in enumerate(stack):
             where = ", ".join(
                 f"{sp.latex(sp.Symbol(parameter))} = ({', '.join(number(v, digits) for v in vertices[k])})"
                 for parameter, vertices in points.items()
             )
-            lines.append(f"{symbol} \\big|_{{{where}}} &= {matrix(values, digits)}")
-    return "\\begin{align*}\n" + " \\\\\n".join(lines) + "\n\\end{align*}"
+            found.append((f"{symbol} \\big|_{{{where}}}", matrix(values, digits)))
+    return found
 
 
 def table(results: Mapping[str, Result], certificates: Mapping[str, Certificate] | None = None, digits: int = 6) -> str:

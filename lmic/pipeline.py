@@ -68,6 +68,12 @@ class Result:
         """svec of all LMIs at the solution."""
         return self.problem.matrix @ self.solution.x + self.problem.offset
 
+    def _repr_html_(self) -> str:
+        """What is reported, what was measured and the design, for notebooks."""
+        from lmic.pages.notebook import result_html
+
+        return result_html(self)
+
 
 def prepare(
     theorem: Theorem,
@@ -96,7 +102,8 @@ def finish(
     unknown, RelaxationError for a relaxation that does not fit the dependence on a parameter.
     """
     fixed = binding.fixed(given or {})
-    return assemble(fixed, relax(fixed, relaxation))
+    chosen = relaxation or Relaxation()
+    return assemble(fixed, relax(fixed, chosen), chosen)
 
 
 def compile(

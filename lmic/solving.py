@@ -15,10 +15,10 @@ from lmic.certify.certify import without_unproven_claim
 from lmic.certify.refine import certify_domain
 from lmic.echo import echo_json
 from lmic.errors import LmicError
-from lmic.interchange.design import check_suffix, write_design
 from lmic.interchange.formats import read_problem
 from lmic.interchange.reporting import file_record, print_file
 from lmic.options import Choices, interval, numbers
+from lmic.output import check_output, write_output
 from lmic.pipeline import run
 from lmic.search import search_scalar
 from lmic.solve.cone import ConeSolver, Status
@@ -39,7 +39,7 @@ def solve_theorem(
     """Solve a theorem, print what it reports and recovers, and say whether the number is to be trusted."""
     found, refined, certificate = None, None, None
     if output:
-        check_suffix(output)
+        check_output(output)
     if refine and (search or not certify):
         raise LmicError("--refine goes with --certify and without --search; add or remove one")
     given = numbers(chosen.given, "--set")
@@ -63,7 +63,7 @@ def solve_theorem(
     if certificate and certify and certify != Path("-"):
         write_certificate(certificate, certify)
     if output:
-        write_design(result, output)
+        write_output(result, output, certificate, name)
     if as_json:
         record = reporting.result_record(result, certificate)
         record |= {"search": reporting.search_record(found)} if found else {}

@@ -94,6 +94,12 @@ class Theorem:
 
         return "$$" + r" \qquad ".join(matrix(lmi) for lmi in self.lmis.values()) + "$$"
 
+    def _repr_html_(self) -> str:
+        """The statement, for notebooks that show MathML."""
+        from lmic.pages.notebook import theorem_html
+
+        return theorem_html(self)
+
     # What occurs in the statement -----------------------------------------------------------
 
     @cached_property

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,7 +12,7 @@ from typing import Any, TypeAlias
 from lmic.bases import Choice
 from lmic.bind import scalar_values
 from lmic.errors import Place, SweepError
-from lmic.language.nodes import Leaf
+from lmic.fingerprint import digest, plant_data, statement
 from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant
 from lmic.relax.relax import Relaxation
@@ -144,7 +142,7 @@ class Plan:
                     degrees = relaxation.polya if isinstance(relaxation.polya, Mapping) else {}
                     relaxation = replace(relaxation, polya={**degrees, axis.name: value})
         compiled = [self.fingerprint, plant.name, sorted((name, str(choice)) for name, choice in dependence.items())]
-        return Line(self.theorem, plant, dependence, self.sizes, relaxation, self.search, _digest(compiled), (), ())
+        return Line(self.theorem, plant, dependence, self.sizes, relaxation, self.search, digest(compiled), (), ())
 
     # What identifies the problem -----------------------------------------------------------------
 
@@ -164,8 +162,8 @@ class Plan:
     def fingerprint(self) -> str:
         """A digest of the statement, the plants' data and all choices but the axes' values."""
         parts = {
-            "theorem": _statement(self.theorem),
-            "plants": [_data(plant) for plant in self.plants],
+            "theorem": statement(self.theorem),
+            "plants": [plant_data(plant) for plant in self.plants],
             "axes": [(axis.kind.value, axis.name) for axis in self.axes],
             "given": sorted((name, str(value)) for name, value in self.given.items()),
             "dependence": sorted((name, str(choice)) for name, choice in self.dependence.items()),
@@ -173,35 +171,4 @@ class Plan:
             "relaxation": repr(self.relaxation),
             "search": self.search,
         }
-        return _digest(parts)
-
-
-def _digest(parts: Any) -> str:
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
-
-
-def _statement(theorem: Theorem) -> list[str]:
-    """Everything in a theorem that decides a number."""
-    leaves = {**theorem.unknowns, **theorem.data}
-    return [
-        *(f"{name}: {lmi.sense} {lmi.rows}" for name, lmi in theorem.lmis.items()),
-        *(_declaration(leaf) for leaf in leaves.values()),
-        *(f"{name}: {[repr(p) for p in found]}" for name, found in theorem.parameters.items()),
-        f"{theorem.minimise} {theorem.bisect} {dict(theorem.reports)}",
-        f"{sorted(theorem.constant)} {sorted(theorem.full)}",
-    ]
-
-
-def _declaration(leaf: Leaf) -> str:
-    return f"{leaf.name} {leaf.shape} {leaf.role} {leaf.symmetric} {leaf.blocks}"
-
-
-def _data(plant: Plant) -> list[str]:
-    """Everything in a plant that decides a number, and its name, by which a sweep tells it."""
-    return [
-        plant.name,
-        *(f"{name}: {matrix.to_sympy().tolist()}" for name, matrix in plant.matrices.items()),
-        *(f"{name}: {domain!r}" for name, domain in plant.domains.items()),
-        *(f"{name}: {motion!r}" for name, motion in plant.motions.items()),
-        *(f"{name} = {value}" for name, value in plant.scalars.items()),
-    ]
+        return digest(parts)
