@@ -25,6 +25,9 @@ from lmic.pipeline import Result
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData
 from lmic.solve.exchange import binding_lmis, relative_eigenvalues
+from lmic.solve.face_optimum import SHARES as INSIDE
+from lmic.solve.face_optimum import FaceOptimum
+from lmic.solve.lineality import lineality
 from lmic.solve.scaling import slack_matrices
 from lmic.solve.sdpa import PACKAGE, solve_precisely
 from lmic.solve.solution import Solution
@@ -42,6 +45,8 @@ ROUNDING = (1e-14, 1e-12, 1e-10)
 BLENDS = tuple(10.0**power for power in range(-12, -3))
 #: LMIs up to which the dual of all is tried before that of the binding ones
 FEW = 40
+#: unknowns up to which 200 bits take minutes
+MOST_UNKNOWNS = 1500
 #: binary digits of an unknown's coordinate, tried in turn
 BITS = (53, 72, 96, 128, 192)
 #: gap and infeasibility at which SDPA stops. Both shrink at one pace, so that asking for less of either
@@ -51,11 +56,15 @@ STOP = {"epsilonStar": 1e-9, "epsilonDash": 1e-28}
 
 @dataclass(frozen=True)
 class DualCandidate:
-    """Positive definite matrices of fractions for the LMIs ``chosen``, and the exact problem of these."""
+    """Positive definite matrices of fractions for the LMIs ``chosen``, and the exact problem of these.
+
+    They are matrices on ``faces`` where these are known (see :mod:`lmic.certify.face`).
+    """
 
     chosen: Sequence[int]
     problem: FiniteProblem
     matrices: list[Array]
+    faces: tuple[Array | None, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -70,12 +79,17 @@ class Candidates:
 def in_double_precision(result: Result, exact: Exact) -> Candidates:
     """Strictly inside the cones, by interior solutions near the result's."""
     solver = double_precision(result.solution.solver)
+    optimum = result.solution.on_face
+    if optimum is not None:
+        return Candidates(_points_on_face(result, optimum), _duals_on_face(result, optimum, exact), solver)
     return Candidates(interior_points(result, SHARES), _interior_duals(result, exact), solver)
 
 
 def in_multiprecision(result: Result, exact: Exact) -> Candidates:
     """The last iterates of SDPA at 200 bits; raises LmicError without the package."""
     chosen = _chosen(result)[0]
+    if result.problem.size > MOST_UNKNOWNS:
+        raise CertificateError(f"{result.problem.size} unknowns are too many for 200 bits")
     problem = exact(chosen)
     if not problem.rational:
         raise CertificateError("at 200 bits nothing is proven, since the data are not rational")
@@ -117,18 +131,43 @@ def rounded(value: Fraction, bits: int) -> Fraction:
 def _interior_duals(result: Result, exact: Exact) -> Iterator[DualCandidate]:
     for problem, solution, chosen in _parts(result):
         finite = exact(chosen)
-        own = [(dual + dual.T) / 2 for dual in slack_matrices(solution.dual, problem.orders)]
-        for share in ROUNDING:  # the solver's own, moved off the boundary that rounding may have taken it across
-            matrices = [fractions(dual + share * np.diag(np.abs(np.diag(dual)))) for dual in own]
-            if all(is_positive_definite(to_flint(matrix)) for matrix in matrices):
-                yield DualCandidate(chosen, finite, matrices)
-                break
+        for own in _rounded_inwards(slack_matrices(solution.dual, problem.orders)):
+            yield DualCandidate(chosen, finite, list(map(fractions, own)))
         for share in SHARES:
             try:
                 matrices = inner_dual(problem, solution, share).exact()
             except CertificateError:
                 continue
             yield DualCandidate(chosen, finite, matrices)
+
+
+def _points_on_face(result: Result, optimum: FaceOptimum) -> Iterator[Array]:
+    """The solution itself, which is inside all cones in floating point, and points further inside."""
+    yield result.solution.x
+    kept = lineality(result.problem.matrix).kept
+    for share in INSIDE:
+        for inner in optimum.points(share, Clarabel()):
+            x = np.zeros(result.problem.size)
+            x[kept] = inner
+            yield x
+
+
+def _duals_on_face(result: Result, optimum: FaceOptimum, exact: Exact) -> Iterator[DualCandidate]:
+    everything = list(range(len(result.problem.orders)))
+    finite, faces = exact(everything), optimum.reduction.bases
+    own = slack_matrices(optimum.dual, optimum.reduction.core.orders)
+    for matrices in chain(_rounded_inwards(own), (optimum.dual_matrices(share, Clarabel()) for share in SHARES)):
+        if all(np.isfinite(matrix).all() for matrix in matrices):
+            yield DualCandidate(everything, finite, [fractions((one + one.T) / 2) for one in matrices], faces)
+
+
+def _rounded_inwards(duals: Sequence[Array]) -> Iterator[list[Array]]:
+    """A solver's own dual matrices, moved off the boundary that rounding may have taken them across."""
+    for share in ROUNDING:
+        moved = [(dual + dual.T) / 2 + share * np.diag(np.abs(np.diag(dual))) for dual in duals]
+        if all(is_positive_definite(to_flint(fractions(matrix))) for matrix in moved):
+            yield moved
+            return
 
 
 def _parts(result: Result) -> Iterator[tuple[ConicProblem, Solution, Sequence[int]]]:

@@ -60,7 +60,7 @@ def certify(
     if not result.solution.status.usable:
         return replace(start, notes=(f"the solver's answer is '{result.solution.status}', of which nothing is proven",))
     means = [in_double_precision, in_multiprecision]
-    if not affordable(binding_part(result)):  # double precision then has no good coordinates either
+    if not (result.solution.on_face or affordable(binding_part(result))):  # no good coordinates in double precision
         means.reverse()
     best: Certificate | None = None
     for candidates_of in means:

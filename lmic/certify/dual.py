@@ -47,18 +47,21 @@ SHIFTS = (1e-12, 1e-10, 1e-8, 1e-6)
 RADII = (10**6, 10**4, 10**2)
 
 
-def exact_dual(problem: FiniteProblem, matrices: Sequence[Array]) -> tuple[Dual, Fraction]:
+def exact_dual(
+    problem: FiniteProblem, matrices: Sequence[Array], faces: Sequence[Array | None] | None = None
+) -> tuple[Dual, Fraction]:
     """Dual matrices near given ones (of fractions, positive definite), and the bound that they prove.
 
-    Raises CertificateError where none are found.
+    They are W on ``faces``; where these are not known, those that the correction shows are taken. Raises
+    CertificateError where none are found.
     """
     whole = problem
+    if faces is None:
+        _, near = _corrected(problem, matrices)
+        faces = [_face(before, after) for before, after in zip(matrices, near, strict=True)]
+        matrices = [m if face is None else on_face(m, face) for m, face in zip(near, faces, strict=True)]
+    problem = compressed(problem, faces)
     kept, near = _corrected(problem, matrices)
-    faces = [_face(before, after) for before, after in zip(matrices, near, strict=True)]
-    if any(face is not None for face in faces):
-        problem = compressed(problem, faces)
-        near = [m if face is None else on_face(m, face) for m, face in zip(near, faces, strict=True)]
-        kept, near = _corrected(problem, near)
     columns = svec_columns(problem)
     reason = CertificateError("no positive definite dual matrices were found near the solver's")
     for bits in BITS:

@@ -214,10 +214,11 @@ def with_lower(
     tried = []
     for candidate in duals:
         try:
-            dual, bound = exact_dual(candidate.problem, candidate.matrices)
+            dual, bound = exact_dual(candidate.problem, candidate.matrices, candidate.faces)
         except CertificateError as error:
             reason = error
-            tried.append(candidate)
+            if candidate.faces is None:
+                tried.append(candidate)
         else:
             mine = tuple(every[k] for k in candidate.chosen)
             return replace(certificate, lower=Lower(_lower_reports(result.theorem, bound), mine, dual))
