@@ -85,13 +85,17 @@ def _margin(own: Array, other: Array, orders: Array, price: float) -> Array:
     """svec of diagonal matrices to keep ``own`` away from the boundary, paid for in equal parts.
 
     As on the central path an entry of the one matrix is the inverse of the other's, but no more than a share of
-    what it is, where the other hardly counts.
+    what it is, where the other hardly counts. That may be all of an LMI, while another vanishes altogether.
     """
     share = price / float(orders.sum())
+    tiny = float(np.finfo(float).tiny)
+    mine = [np.diag(matrix) for matrix in slack_matrices(own, orders)]
+    theirs = [np.maximum(np.diag(matrix), tiny) for matrix in slack_matrices(other, orders)]
+    most = max(tiny, *(diagonal.max() for diagonal in mine)), max(diagonal.max() for diagonal in theirs)
     parts = []
-    for mine, theirs in zip(slack_matrices(own, orders), slack_matrices(other, orders), strict=True):
-        opposite = np.maximum(np.diag(theirs), np.finfo(float).tiny)
-        most = np.maximum(MOST * np.diag(mine), share / float(opposite.max()))
-        rows, cols = svec.triangle(len(mine))
-        parts.append(np.where(rows == cols, np.minimum(share / opposite, most)[rows], 0.0))
+    for diagonal, opposite in zip(mine, theirs, strict=True):
+        small = diagonal / most[0] < opposite / most[1]
+        limit = np.maximum(MOST * diagonal, np.where(small, share / opposite.max(), 0.0))
+        rows, cols = svec.triangle(len(diagonal))
+        parts.append(np.where(rows == cols, np.minimum(share / opposite, limit)[rows], 0.0))
     return np.concatenate(parts)

@@ -28,8 +28,9 @@ from lmic.solve.scaling import initial, slack_matrices
 
 Array: TypeAlias = NDArray[Any]
 
-#: the traces of all G(d) sum up to 1: eigenvalues above the first are growth, between the two is no clear answer
-GROWTH, NO_GROWTH = 1e-5, 1e-6
+#: the traces of all G(d) sum up to 1: eigenvalues above the first are growth, between the two is no clear answer.
+#: Beside growth, what is zero to 1e-10 may show off its diagonal as the root of that
+GROWTH, NO_GROWTH = 1e-4, 1e-5
 #: denominators of the null space that are looked for, and how near its entries have to be to such fractions
 DENOMINATOR, NEAR = 8, 2e-3
 #: how far the direction may move, relative to its length, to leave the face alone exactly
