@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
-from math import lcm
 from typing import Any, TypeAlias
 
 import flint
@@ -25,6 +24,7 @@ from lmic.certify.balls import PRECISION, is_zero
 from lmic.certify.definite import inverse_factor
 from lmic.certify.finite import FiniteLMI, FiniteProblem
 from lmic.errors import CertificateError
+from lmic.solve.recession import free_rows, integer_complement
 
 Array: TypeAlias = NDArray[Any]
 
@@ -64,7 +64,6 @@ def face_of(before: flint.arb_mat, after: flint.arb_mat) -> Array | None:
 
     None where there are none. Raises CertificateError where they span no space of small fractions.
     """
-    order = before.nrows()
     inverse = inverse_factor(before)
     if inverse is None:
         raise CertificateError("a dual matrix is not positive definite")
@@ -74,41 +73,17 @@ def face_of(before: flint.arb_mat, after: flint.arb_mat) -> Array | None:
     if not null.any():
         return None
     directions = _floats((inverse.transpose() * flint.arb_mat(vectors[:, null].tolist())).mid())
-    return _orthogonal(directions.T, order)
+    face = integer_complement(directions.T, DENOMINATOR, NEAR)
+    if face is None:
+        raise CertificateError("the dual matrices must vanish in directions that are no small fractions")
+    return face
 
 
 def on_face(matrix: Array, face: Array) -> Array:
     """W with V W Vᵀ nearest to a matrix of fractions on the face, read off the rows in which V is diagonal."""
-    free = [
-        int(np.flatnonzero(np.count_nonzero(face, axis=1) * (face[:, a] != 0) == 1)[0]) for a in range(face.shape[1])
-    ]
+    free = free_rows(face)
     scale = np.array([Fraction(1, int(face[row, a])) for a, row in enumerate(free)], dtype=object)
     return np.asarray(matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :])
-
-
-def _orthogonal(rows: Array, order: int) -> Array:
-    """Integer columns that span the orthogonal complement of some rows, diagonal in the rows that are free."""
-    reduced = rows.copy()
-    pivots: list[int] = []
-    for k in range(len(reduced)):
-        i, j = divmod(int(np.abs(reduced[k:]).argmax()), order)
-        reduced[[k, k + i]] = reduced[[k + i, k]]
-        reduced[k] /= reduced[k, j]
-        others = np.arange(len(reduced)) != k
-        reduced[others] -= reduced[others, j][:, None] * reduced[k]
-        pivots.append(j)
-    exact = [[Fraction(value).limit_denominator(DENOMINATOR) for value in row] for row in reduced.tolist()]
-    if exact and np.abs(np.array(exact, dtype=float) - reduced).max() > NEAR:
-        raise CertificateError("the dual matrices must vanish in directions that are no small fractions")
-    free = [j for j in range(order) if j not in pivots]
-    face = np.zeros((order, len(free)), dtype=object)
-    for a, j in enumerate(free):
-        column = [row[j] for row in exact]
-        factor = lcm(*(value.denominator for value in column))
-        face[j, a] = factor
-        for pivot, value in zip(pivots, column, strict=True):
-            face[pivot, a] = int(-value * factor)
-    return face
 
 
 def _floats(matrix: flint.arb_mat) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lmic.solve import scaling
 from lmic.solve.cone import ConeData, ConeSolver, Status
 from lmic.solve.face_optimum import SHARES, FaceOptimum
-from lmic.solve.passes import SETTLED, Candidate, candidate_of, passes_of, svec_diagonal, worst_of
+from lmic.solve.passes import TRUSTED_GAP, Candidate, candidate_of, passes_of, svec_diagonal, worst_of
 from lmic.solve.recession import reduction
 from lmic.solve.solution import ABSOLUTE, Pass
 
@@ -50,7 +50,7 @@ def _solved(core: ConeData, solver: ConeSolver, passes: int) -> tuple[Candidate,
     scaled, transform = scaling.initial(core)
     first = candidate_of(core, scaled, transform, solver(scaled))
     # no more is asked of this point than its gap: LMIs that vanish here are given a margin of their own
-    if first.step.gap <= SETTLED or not scaling.affordable(core):
+    if first.step.gap <= TRUSTED_GAP or not scaling.affordable(core):
         return first, (first.step,)
     best, steps = passes_of(core, solver, passes)
     return min(first, best, key=lambda one: one.step.gap), (first.step, *steps)

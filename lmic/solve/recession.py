@@ -230,10 +230,11 @@ def _exact(face: Face) -> Face | None:
     return replace(face, ray=ray)
 
 
-def integer_complement(rows: Array) -> Array | None:
+def integer_complement(rows: Array, denominator: int = DENOMINATOR, near: float = NEAR) -> Array | None:
     """Integer columns that span the orthogonal complement of some rows, or None where these are no small fractions.
 
-    In as many rows as there are columns, only one entry is not zero.
+    Reduced, the rows have to be within ``near`` of fractions with denominators up to ``denominator``. In as many
+    rows as there are columns, only one entry is not zero (:func:`free_rows`).
     """
     order = rows.shape[1]
     reduced = rows.copy()
@@ -245,8 +246,8 @@ def integer_complement(rows: Array) -> Array | None:
         others = np.arange(len(reduced)) != k
         reduced[others] -= reduced[others, j][:, None] * reduced[k]
         pivots.append(j)
-    exact = [[Fraction(value).limit_denominator(DENOMINATOR) for value in row] for row in reduced.tolist()]
-    if np.abs(np.array(exact, dtype=float).reshape(reduced.shape) - reduced).max(initial=0.0) > NEAR:
+    exact = [[Fraction(value).limit_denominator(denominator) for value in row] for row in reduced.tolist()]
+    if np.abs(np.array(exact, dtype=float).reshape(reduced.shape) - reduced).max(initial=0.0) > near:
         return None
     free = [j for j in range(order) if j not in pivots]
     face = np.zeros((order, len(free)), dtype=int)
