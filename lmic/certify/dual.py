@@ -1,10 +1,8 @@
 """From a solver's dual matrices to ones that satisfy every equality exactly.
 
-They miss their equalities by rounding. The miss is removed by the smallest step in the metric of the
-matrices themselves, ΔZ = Σ_i y_i Z F_i Z, which moves every eigenvalue of Z by the same small share,
-however thin Z is. A step that is not small shows that Z must vanish in some directions
-(:mod:`lmic.certify.face`). What then is rounded away in writing the matrices down is left to the
-pivot entries (:mod:`lmic.certify.lower`).
+They miss their equalities by rounding, which a small step removes (:mod:`lmic.certify.correction`). A
+step that is not small shows that Z must vanish in some directions (:mod:`lmic.certify.face`). What then
+is rounded away in writing the matrices down is left to the pivot entries (:mod:`lmic.certify.lower`).
 """
 
 from __future__ import annotations
@@ -22,21 +20,18 @@ import scipy.sparse as sps
 from numpy.typing import NDArray
 
 from lmic import svec
-from lmic.certify.balls import middle
+from lmic.certify.correction import PRECISION, corrected, svec_columns
 from lmic.certify.definite import is_positive_definite
 from lmic.certify.document import decimal_above
 from lmic.certify.face import compressed, face_of, on_face
-from lmic.certify.finite import FiniteLMI, FiniteProblem, Functional
+from lmic.certify.finite import FiniteProblem, Functional
 from lmic.certify.infeasible import MARGIN, Infeasible, feasibility_of, is_zero, largest_margin
-from lmic.certify.lower import Dual, Pivot, bounded_lower_bound, lower_bound, misses
-from lmic.certify.statement import fractions, from_flint, to_flint
+from lmic.certify.lower import Dual, Pivot, bounded_lower_bound, lower_bound
+from lmic.certify.statement import fractions, to_flint
 from lmic.errors import CertificateError
-from lmic.solve.lineality import lineality
 
 Array: TypeAlias = NDArray[Any]
 
-#: bits of the corrections, in fixed point
-PRECISION = 512
 #: binary digits of a dual entry, counted from the size that its diagonal entries give it; tried in turn
 BITS = (96, 128, 192, 256)
 #: shares of positive definite matrices that are mixed with singular ones
@@ -57,11 +52,11 @@ def exact_dual(
     """
     whole = problem
     if faces is None:
-        _, near = _corrected(problem, matrices)
+        _, near = corrected(problem, matrices)
         faces = [_face(before, after) for before, after in zip(matrices, near, strict=True)]
         matrices = [m if face is None else on_face(m, face) for m, face in zip(near, faces, strict=True)]
     problem = compressed(problem, faces)
-    kept, near = _corrected(problem, matrices)
+    kept, near = corrected(problem, matrices)
     columns = svec_columns(problem)
     reason = CertificateError("no positive definite dual matrices were found near the solver's")
     for bits in BITS:
@@ -85,7 +80,7 @@ def bounded_dual(
     """
     found: list[tuple[Dual, Fraction]] = []
     for free in (grown, np.zeros(0, dtype=int)):
-        near = [_rounded(matrix, BITS[-1]) for matrix in _corrected(problem, matrices, free)[1]]
+        near = [_rounded(matrix, BITS[-1]) for matrix in corrected(problem, matrices, free)[1]]
         for shift in (Fraction(0), *MIXED):
             # mixed with the given ones, which are positive definite
             mixed = [(1 - shift) * one + shift * other for one, other in zip(near, matrices, strict=True)]
@@ -119,90 +114,9 @@ def infeasibility(problem: FiniteProblem, functionals: Sequence[Functional], mat
     raise CertificateError("the dual matrices do not show that the LMIs have no solution")
 
 
-def svec_columns(problem: FiniteProblem) -> sps.csc_array:
-    """The columns of all unknowns in svec coordinates, LMI below LMI, in floating point."""
-    data, rows, cols = [], [], []
-    start = 0
-    for lmi in problem.lmis:
-        used = lmi.columns > 0
-        i, j = lmi.rows[used], lmi.cols[used]
-        data.append(lmi.values[used].astype(float) * np.where(i == j, 1.0, np.sqrt(2.0)))
-        rows.append(start + svec.packed_index(i, j))
-        cols.append(lmi.columns[used] - 1)
-        start += svec.length(lmi.order)
-    entries = np.concatenate(data), (np.concatenate(rows), np.concatenate(cols))
-    return sps.csc_array(sps.coo_array(entries, shape=(start, problem.size)))
-
-
 def _face(before: Array, after: Array) -> Array | None:
     with flint.ctx.workprec(PRECISION):
         return face_of(flint.arb_mat(to_flint(before)), flint.arb_mat(to_flint(after)))
-
-
-def _corrected(
-    problem: FiniteProblem, matrices: Sequence[Array], free: Sequence[int] | Array = ()
-) -> tuple[Array, list[Array]]:
-    """Independent unknowns that are not ``free``, and Z + Σ_i y_i Z F_i Z, which meets their equalities."""
-    kept = np.setdiff1d(lineality(svec_columns(problem)).kept, free)
-    with flint.ctx.workprec(PRECISION):  # balls lose digits at any lower precision
-        miss = misses(problem, matrices)[kept]
-    metric = _metric(problem, matrices, kept)
-    size = len(kept)
-    with flint.ctx.workprec(PRECISION):
-        left = flint.arb_mat(size, size, [flint.arb(int(value)) for value in metric.ravel()])
-        right = flint.arb_mat(size, 1, [flint.arb(_fixed(value)) for value in miss])
-        try:
-            solution = left.solve(right, algorithm="approx").mid().entries()
-        except ZeroDivisionError as error:
-            raise CertificateError("the equalities of the dual are not independent") from error
-    y = dict(zip(kept.tolist(), map(middle, solution), strict=True))
-    return kept, [matrix + _step(lmi, matrix, y) for lmi, matrix in zip(problem.lmis, matrices, strict=True)]
-
-
-def _metric(problem: FiniteProblem, matrices: Sequence[Array], kept: Array) -> Array:
-    """Σ_k ⟨F_i, Z F_j Z⟩ for the unknowns ``kept``, as integers in units of 2^-PRECISION."""
-    place = np.full(problem.size, -1)
-    place[kept] = np.arange(len(kept))
-    total = np.zeros((len(kept), len(kept)), dtype=object)
-    for lmi, matrix in zip(problem.lmis, matrices, strict=True):
-        used = lmi.columns > 0
-        used[used] = place[lmi.columns[used] - 1] >= 0
-        rows, cols = lmi.rows[used], lmi.cols[used]
-        unknown = place[lmi.columns[used] - 1]
-        values = np.array([_fixed(value) for value in lmi.values[used]], dtype=object)
-        off = rows != cols
-        entry = np.concatenate([rows * lmi.order + cols, (cols * lmi.order + rows)[off]])
-        unknown, values = np.concatenate([unknown, unknown[off]]), np.concatenate([values, values[off]])
-        distinct, position = np.unique(entry, return_inverse=True)
-        i, j = np.divmod(distinct, lmi.order)
-        fixed = np.array([[_fixed(value) for value in row] for row in matrix], dtype=object).reshape(matrix.shape)
-        kernel = (fixed[np.ix_(i, i)] * fixed[np.ix_(j, j)]) >> PRECISION
-        mine, local = np.unique(unknown, return_inverse=True)
-        half = np.zeros((len(distinct), len(mine)), dtype=object)
-        for k in range(len(entry)):
-            half[:, local[k]] += (kernel[:, position[k]] * values[k]) >> PRECISION
-        product = np.zeros((len(mine), len(mine)), dtype=object)
-        for k in range(len(entry)):
-            product[local[k]] += (half[position[k]] * values[k]) >> PRECISION
-        total[np.ix_(mine, mine)] += product
-    return total
-
-
-def _step(lmi: FiniteLMI, matrix: Array, y: dict[int, Fraction]) -> Array:
-    """Σ_i y_i Z F_i Z."""
-    direction = np.full((lmi.order, lmi.order), Fraction(0), dtype=object)
-    for column, row, col, value in zip(
-        lmi.columns.tolist(), lmi.rows.tolist(), lmi.cols.tolist(), lmi.values, strict=True
-    ):
-        if column - 1 in y:
-            direction[row, col] += middle(value) * y[column - 1]
-    direction = np.triu(direction) + np.triu(direction, 1).T
-    weight = to_flint(matrix)
-    return from_flint(weight * to_flint(direction) * weight)
-
-
-def _fixed(value: Any) -> int:
-    return int(middle(value) * (1 << PRECISION))
 
 
 def _rounded(matrix: Array, bits: int) -> Array:

@@ -300,7 +300,9 @@ def fractions(matrix: Any) -> Array:
 def to_flint(matrix: Array) -> flint.fmpq_mat:
     """A matrix of fractions as flint's."""
     rows, cols = matrix.shape
-    return flint.fmpq_mat(rows, cols, [flint.fmpq(f.numerator, f.denominator) for f in map(Fraction, matrix.ravel())])
+    zero = flint.fmpq(0)
+    entries = [flint.fmpq(f.numerator, f.denominator) if f else zero for f in map(Fraction, matrix.ravel().tolist())]
+    return flint.fmpq_mat(rows, cols, entries)
 
 
 def from_flint(matrix: flint.fmpq_mat) -> Array:
