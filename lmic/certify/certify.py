@@ -130,9 +130,9 @@ def _infeasible(certificate: Certificate, result: Result, relaxation: Relaxation
     return replace(certificate, infeasible=claim, solver=double_precision(result.solution.solver))
 
 
-def without_unproven_claim(result: Result, certificate: Certificate) -> Result:
+def without_unproven_claim(result: Result, certificate: Certificate | None) -> Result:
     """The result; where the solver calls the LMIs infeasible and that is not proven, as a failure."""
-    if result.solution.status is not Status.INFEASIBLE or certificate.infeasible:
+    if result.solution.status is not Status.INFEASIBLE or (certificate and certificate.infeasible):
         return result
     return replace(result, solution=replace(result.solution, status=Status.FAILED))
 

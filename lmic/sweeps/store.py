@@ -32,6 +32,8 @@ class Store:
     def __enter__(self) -> Self:
         if self.path is None:
             return self
+        if self.path.exists() and not self.path.is_file():
+            raise SweepError(f"{self.path} cannot be written: it is no file; name one")
         if not self.path.exists() or (self.path.is_file() and not self.path.stat().st_size):
             header = {"lmic sweep": FORMAT, "version": __version__, **self.plan.header}
             write_whole(self.path, json.dumps(header, ensure_ascii=False) + "\n")
