@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,7 +63,7 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
     except KeyboardInterrupt as stop:
         # the numbers of the paper at hand that are known; it has no figures yet
         reached = [*papers, *([Reproduction(tables[len(papers)], done, {}, [])] if done else [])]
-        left = _left(tables, {case for paper in reached for case in paper.outcomes}, len(papers))
+        left = _left(tables[len(papers) :], done, whole=not names)
         kept = "nothing was finished"
         if reached:
             count = sum(len(paper.outcomes) for paper in reached)
@@ -117,9 +118,11 @@ def _reproduced(
     return Reproduction(table, outcomes, gains, figures), trusted
 
 
-def _left(tables: list[CaseTable], done: set[str], finished: int) -> str:
-    """What is left to reproduce, as words of the command line: ids of the paper at hand, then whole papers."""
-    begun, *others = tables[finished:]
-    ids = [case.id for case in begun.cases if case.id not in done] + [curve.id for curve in begun.curves]
-    words = ids if any(case.id in done for case in begun.cases) else [begun.group]
-    return " ".join([*words, *(table.group for table in others)])
+def _left(tables: list[CaseTable], done: Mapping[str, Outcome], whole: bool) -> str:
+    """What is left to reproduce as words of the command line: papers where ``whole`` ones were asked for, else ids."""
+    words = []
+    for table in tables:
+        begun = any(case.id in done for case in table.cases)
+        ids = [case.id for case in table.cases if case.id not in done] + [curve.id for curve in table.curves]
+        words += [table.group] if whole and not begun else ids
+    return " ".join(words)
