@@ -12,6 +12,7 @@ import click
 
 from lmic import __version__, interrupts
 from lmic.authoring.command import check, new
+from lmic.diagnosis.command import diagnose
 from lmic.echo import echo_json, sentence, silence_output
 from lmic.errors import LmicError
 from lmic.options import JSON, Choices, compiling, needed, numbers, refuse_with_file
@@ -70,6 +71,7 @@ def main() -> None:
     """Compile, solve and check parameter-dependent linear matrix inequalities."""
 
 
+main.add_command(diagnose)
 main.add_command(reproduce)
 main.add_command(sweep)
 main.add_command(new)
