@@ -23,6 +23,19 @@ rate = 0
 A = [[-1, "rho1"], [0, -2]]
 """
 
+#: 1/(1 − a) is the gain
+GAIN = """
+[parameters.rho]
+simplex = 1
+[scalars]
+a = 0
+[matrices]
+A = [["a"]]
+B = [[1]]
+C = [[1]]
+D = [[0]]
+"""
+
 #: lmic as a program that is sent Ctrl-C when it calls a certain function for a certain time
 PROGRAM = """
 import os, signal, sys
@@ -98,10 +111,11 @@ def test_a_proof_that_is_not_finished_leaves_the_number(tmp_path: Path) -> None:
 
 
 def test_a_line_search_says_its_best_and_where_to_go_on(tmp_path: Path) -> None:
-    words = ("solve", "peixoto2025.theorem1", "--plant", str(EXAMPLE), "--search", "eps=1:100")
+    (tmp_path / "plant.toml").write_text(GAIN)
+    words = ("solve", "standard.bounded_real_discrete", "--plant", "plant.toml", "--search", "a=0:0.8")
     _, said = interrupted(tmp_path, "lmic.search:finish", *words, at=4)
-    assert said.startswith("after 3 solves eps = ")
-    assert "go on with --search eps=" in said
+    assert said.startswith("after 3 solves a = 0 is the best, with the objective 1")
+    assert said.endswith("go on with --search a=0:0.1")
 
 
 def test_a_bisection_says_its_bracket(tmp_path: Path) -> None:
@@ -132,6 +146,14 @@ def test_reproduce_keeps_the_numbers_that_are_known_and_their_certificates(tmp_p
     assert "peixoto2025.table1." in left
     assert "figure3" not in left
     assert left.endswith(" -o out/rest")
+
+
+def test_a_diagnosis_says_how_far_it_came(tmp_path: Path) -> None:
+    (tmp_path / "plant.toml").write_text(LAG)
+    words = ("diagnose", "standard.stability_continuous", "--plant", "plant.toml", "--polya", "rho=0")
+    _, said = interrupted(tmp_path, "lmic.diagnosis.neighbours:compile", *words, at=3)
+    assert said.startswith("1 of ")
+    assert said.endswith("--patience makes it shorter")
 
 
 def test_the_gallery_keeps_its_pages(tmp_path: Path) -> None:

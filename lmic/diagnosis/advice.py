@@ -16,6 +16,8 @@ from lmic.solve.solution import Solution
 BETTER = 1e-4
 #: share of the unknowns or LMIs below which a problem is a smaller one
 SMALLER = 0.8
+#: diverging unknowns that are named
+NAMED = 3
 #: a margin of this size, of data of size one, is nothing
 NO_MARGIN = 1e-8
 
@@ -79,14 +81,15 @@ def _not_attained(bounds: Bounds) -> str:
     sizes = (
         f"{worst.within[-2]:.1e} within {bounds.bounds[-2]:.0e}, {worst.within[-1]:.1e} within {bounds.bounds[-1]:.0e}"
     )
+    names = ", ".join(one.unknown for one in bounds.diverging[:NAMED])
     if bounds.falls:
         return (
-            f"{worst.unknown} grows with every bound ({sizes}) and the objective still falls, to "
+            f"{names} grow with every bound ({worst.unknown} {sizes}) and the objective still falls, to "
             f"{bounds.objectives[-1]:.9g}: the infimum is not attained, so quote it within a bound."
         )
     return (
-        f"{worst.unknown} grows with every bound ({sizes}) while the objective stays: its size means nothing, and "
-        "bounding it costs nothing."
+        f"{names} grow with every bound ({worst.unknown} {sizes}) while the objective stays: their size means nothing, "
+        "and bounding them costs nothing."
     )
 
 

@@ -76,7 +76,7 @@ def diagnose(
     margin = None if usable and problem.cost.any() else distance(problem, several[0])
     bounds = growth(problem, solution.x, several[0]) if usable else Bounds(())
     binding = margin.shares if margin else shares_of(problem, weights_at(problem, solution.x, solution.dual))
-    planned = [option for option, _ in neighbours(chosen, result)]
+    planned = [option for option, _ in neighbours(chosen, problem)]
     advance(1, len(planned) + 1)
     with keeping(lambda: f"{len(trials) - 1} of {len(planned)} neighbours were solved; --patience makes it shorter"):
         for found in try_neighbours(chosen, result, several, patience):

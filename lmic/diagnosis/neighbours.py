@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
 
+from lmic.assemble import ConicProblem
 from lmic.bases import DEFAULT, Choice
 from lmic.errors import LmicError
 from lmic.language.theorem import Theorem
@@ -31,9 +32,13 @@ class Chosen:
     relaxation: Relaxation = field(default_factory=Relaxation)
     sizes: Mapping[str, int] = field(default_factory=dict)
 
+    def compile(self) -> ConicProblem:
+        """The problem; raises LmicError where it cannot be formed."""
+        return compile(self.theorem, self.plant, self.given, self.dependence, self.relaxation, self.sizes)
+
     def run(self, solver: ConeSolver | tuple[ConeSolver, ...] | None, at_most: tuple[int, int] | None = None) -> Result:
         """Compile and solve; raises LmicError where that is impossible or larger than (unknowns, rows)."""
-        problem = compile(self.theorem, self.plant, self.given, self.dependence, self.relaxation, self.sizes)
+        problem = self.compile()
         size = (problem.size, int(problem.starts[-1]))
         if at_most and (size[0] > at_most[0] or size[1] > at_most[1]):
             raise LmicError(
@@ -82,9 +87,9 @@ def trial(option: str, result: Result, seconds: float) -> Trial:
     )
 
 
-def neighbours(chosen: Chosen, result: Result) -> list[tuple[str, Chosen]]:
+def neighbours(chosen: Chosen, problem: ConicProblem) -> list[tuple[str, Chosen]]:
     """Every neighbour by the option that makes it: degrees, grids, then bases, as they apply to this problem."""
-    return [*_degrees(chosen, result), *_grids(chosen), *_bases(chosen, result)]
+    return [*_degrees(chosen, problem), *_grids(chosen), *_bases(chosen, problem)]
 
 
 def try_neighbours(
@@ -96,7 +101,7 @@ def try_neighbours(
     """Solve the neighbours one after another; those that ``patience`` (seconds) does not reach are left out."""
     end = perf_counter() + patience
     limit = (GROWTH * result.problem.size, GROWTH * int(result.problem.starts[-1]))
-    for option, neighbour in neighbours(chosen, result):
+    for option, neighbour in neighbours(chosen, result.problem):
         if perf_counter() >= end:
             return
         start = perf_counter()
@@ -107,9 +112,9 @@ def try_neighbours(
         yield replace(found, seconds=perf_counter() - start)
 
 
-def _bases(chosen: Chosen, result: Result) -> Iterator[tuple[str, Chosen]]:
+def _bases(chosen: Chosen, problem: ConicProblem) -> Iterator[tuple[str, Chosen]]:
     """The degree of the unknowns that depend on a parameter, one up and one down: of all at once, then of each."""
-    theorem, domains = chosen.theorem, result.problem.binding.domains
+    theorem, domains = chosen.theorem, problem.binding.domains
     steps = {
         name: _steps(chosen.dependence.get(name, DEFAULT))
         for name in theorem.unknowns
@@ -132,10 +137,10 @@ def _steps(choice: Choice) -> tuple[Choice, ...]:
     return ("constant" if choice == 1 else choice - 1, choice + 1)
 
 
-def _degrees(chosen: Chosen, result: Result) -> Iterator[tuple[str, Chosen]]:
+def _degrees(chosen: Chosen, problem: ConicProblem) -> Iterator[tuple[str, Chosen]]:
     """The Pólya degree of each parameter that is relaxed by coefficients, one up and one down."""
     degrees = chosen.relaxation.polya
-    used = any(axis.method.startswith("Pólya") for family in result.problem.families for axis in family.axes)
+    used = any(axis.method.startswith("Pólya") for family in problem.families for axis in family.axes)
     if isinstance(degrees, int):
         keyed: dict[str, int] = {"": degrees} if used else {}
     else:

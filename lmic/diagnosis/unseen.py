@@ -32,6 +32,7 @@ def unseen_directions(problem: ConicProblem) -> tuple[Direction, ...]:
         # weighed in the units in which the LMIs feel each unknown
         weight = np.abs(direction * found.norms)
         parts = [k for k in np.argsort(-weight).tolist() if weight[k] > COUNTS * weight.max()]
+        direction *= np.sign(direction[parts[0]])
         names = dict.fromkeys(problem.layout.label(k).partition("[")[0] for k in parts)
         terms = [_term(direction[k], problem.layout.label(k)) for k in parts[:NAMED]]
         rest = f" + {len(parts) - NAMED} more" if len(parts) > NAMED else ""
