@@ -310,7 +310,10 @@ class _Binder:
         parts = [
             self.term(term, int(starts[i]), int(starts[j])) for (i, j), block in terms.blocks.items() for term in block
         ]
-        return _collect(terms.place, partition, [part for part in parts if part.value.size])
+        stated = [part for part in parts if part.value.size]
+        if not stated:
+            raise PlantError("the LMI is zero for this plant, which is never definite; remove it", terms.place)
+        return _collect(terms.place, partition, stated)
 
     def term(self, term: Term, top: int, start: int) -> _Entries:
         """Entries of one term in the block whose first entry is (top, start)."""

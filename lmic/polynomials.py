@@ -233,6 +233,8 @@ class ScalarTerms(Monomials):
 def scalar_terms(expression: sp.Expr) -> ScalarTerms:
     """A scalar expression as a polynomial in its atoms, e.g. ``2*a*sin(r) + r**2``."""
     expression = sp.sympify(expression)
+    # a float means the decimal that it was written as, here as in a plant
+    expression = expression.xreplace({f: sp.Rational(repr(float(f))) for f in expression.atoms(sp.Float)})
     return _product_terms(expression) or _polynomial_terms(expression) or _expanded_terms(sp.expand(expression))
 
 

@@ -98,8 +98,8 @@ for name in sys.argv[1:]:
 """
 
 GREEDY = {
-    "functions": row(*("+".join(f"sin({n}*a1 + {k}*a2)" for k in range(40)) for n in range(60))),
-    "reciprocals": row(*("+".join(f"1/(a1 + {n}*a2 + {k})" for k in range(40)) for n in range(60))),
+    "functions": row(*("+".join(f"sin({n}*a1 + {k}*a2)" for k in range(40)) for n in range(30))),
+    "reciprocals": row(*("+".join(f"1/(a1 + {n}*a2 + {k})" for k in range(40)) for n in range(30))),
     "powers of reciprocals": row(*(f"(1/(a1 + {n}) + 1/(a2 + {n}))**40" for n in range(200))),
     "powers": row(*(f"(a1 + {n}*a2)**50*(1 + a3)**9" for n in range(200))),
     "numbers": row(*(f"({n}.123456789*a1 + 1)**50" for n in range(300))),
@@ -108,7 +108,7 @@ GREEDY = {
     "vertices": '[parameters.a]\nsimplex = 1000\n[matrices]\nA = { vertices = ['
     + ",".join(f"[[{','.join(str(n + k) for k in range(300))}]]" for n in range(1000))
     + "]}",
-    "exponentials": f'[parameters.h]\nbox = {{ h = [0, 1] }}\n[matrices]\nF = {np.ones((40, 40)).tolist()}\n'
+    "exponentials": f'[parameters.h]\nbox = {{ h = [0, 1] }}\n[matrices]\nF = {np.ones((30, 30)).tolist()}\n'
     'Phi = { exponential = "F", time = "h" }',
     "model": '[parameters.a]\nsimplex = 9\n[matrices]\nA = [["'
     + "*".join(["(a1+a2+a3)"] * 5)
