@@ -124,7 +124,9 @@ def domains_of(theorem: Theorem, plant: Plant, place: Place) -> Checked[dict[str
         domain, required = plant.domains[name], instances[0].required
         if required and domain.kind != required:
             yield DomainError(
-                f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}", place
+                f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}; "
+                "change the plant's domain",
+                place,
             )
         domains[name] = domain
     return domains

@@ -49,7 +49,9 @@ def sizes_of(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place: Pl
             yield ShapeError(f"{name} is no dimension of the theorem, which has {known}; correct the name", place)
         elif values.get(symbol, size) != size:
             yield ShapeError(
-                f"{name} = {size} is asked for, but {witness[symbol]} has {name} = {values[symbol]}", place
+                f"{name} = {size} is asked for, but {witness[symbol]} has {name} = {values[symbol]}; "
+                "leave the size out",
+                place,
             )
     values |= {symbol: sizes[symbol.name] for symbol in symbols if symbol.name in sizes and symbol not in values}
     for name, leaf in theorem.data.items():

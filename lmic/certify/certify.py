@@ -155,6 +155,8 @@ def refutation(
     found = lower_only(blank(result, relaxation, given, sizes), result, relaxation)
     assert found.lower is not None
     if not found.lower.reports:
-        raise CertificateError("the theorem reports neither what it minimises nor its root, so no report is bounded")
+        raise CertificateError(
+            "the theorem reports neither what it minimises nor its root, so no report is bounded; report one of them"
+        )
     report, lower = next(iter(found.lower.reports.items()))
     return found, report, lower

@@ -187,7 +187,9 @@ class Leaf(Node):
         """The matrix at the given parameters."""
         for argument in arguments:
             if not isinstance(argument, Parameter):
-                raise DefinitionError(f"{self.name}({argument}): the argument is not a parameter such as alpha")
+                raise DefinitionError(
+                    f"{self.name}({argument}): the argument is no parameter; give one that Simplex or Box made"
+                )
         return self._with(arguments=arguments)
 
     def _with(self, **changes: Any) -> Leaf:
