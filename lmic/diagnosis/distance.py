@@ -20,7 +20,7 @@ from lmic.assemble import ConicProblem
 from lmic.diagnosis.shares import Shares, shares_of
 from lmic.solve.cone import ConeSolver
 from lmic.solve.scaling import slack_matrices
-from lmic.solve.whole import margin, svec_identity
+from lmic.solve.whole import margin
 
 Array: TypeAlias = NDArray[Any]
 
@@ -78,7 +78,7 @@ def _scaled(problem: ConicProblem) -> _Scaled:
     scaled, offset = sps.csc_array(sps.diags_array(factor) @ matrix), factor * problem.offset
     orders = problem.orders
     if not offset.any():
-        identity = np.concatenate([svec_identity(int(order)) for order in orders])
+        identity = np.concatenate([svec.identity(int(order)) for order in orders])
         scaled = sps.csc_array(sps.vstack([scaled, sps.csr_array((scaled.T @ identity)[None, :])]))
         offset, orders = np.append(offset, -float(orders.sum())), np.append(orders, 1)
     lengths = orders * (orders + 1) // 2

@@ -13,8 +13,8 @@ from lmic.solve import scaling
 from lmic.solve.attainment import RADII, bounded
 from lmic.solve.cone import ConeData, ConeSolver
 from lmic.solve.lineality import lineality
+from lmic.solve.passes import passes_of
 from lmic.solve.solution import ABSOLUTE
-from lmic.solve.whole import passes_of
 
 Array: TypeAlias = NDArray[Any]
 
