@@ -333,6 +333,9 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
         "--report",
         "--least-over",
     ),
+    "check": ("--plant", "--set", "--json"),
+    "new": ("-o",),
+    "report": ("-o", "--plant"),
     "reproduce": ("-o", "--certify"),
     "gallery": ("--nothing",),
 }
