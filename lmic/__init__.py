@@ -16,6 +16,8 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from lmic.certify.certificate_file import read_certificate as read_certificate
     from lmic.certify.verify import verify as verify
+    from lmic.diagnosis.diagnose import Diagnosis as Diagnosis
+    from lmic.diagnosis.diagnose import diagnose as diagnose
     from lmic.interchange.formats import read_problem as read_problem
     from lmic.interchange.formats import write_problem as write_problem
     from lmic.interchange.models import cvxpy_problem as cvxpy_problem
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from lmic.sweeps.swept import Swept as Swept
 
 _HOME = {
+    "Diagnosis": "lmic.diagnosis.diagnose",
     "Grid": "lmic.relax.grid",
     "Plant": "lmic.plants.plant",
     "Relaxation": "lmic.relax.relax",
@@ -46,6 +49,7 @@ _HOME = {
     "bisect": "lmic.search",
     "compile": "lmic.pipeline",
     "cvxpy_problem": "lmic.interchange.models",
+    "diagnose": "lmic.diagnosis.diagnose",
     "finish": "lmic.pipeline",
     "line_search": "lmic.search",
     "picos_problem": "lmic.interchange.models",

@@ -124,7 +124,9 @@ def domains_of(theorem: Theorem, plant: Plant, place: Place) -> Checked[dict[str
         domain, required = plant.domains[name], instances[0].required
         if required and domain.kind != required:
             yield DomainError(
-                f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}", place
+                f"{name} ranges over a {domain.kind} in {plant.name}, but the theorem is stated on a {required}; "
+                "change the plant's domain",
+                place,
             )
         domains[name] = domain
     return domains
@@ -310,7 +312,10 @@ class _Binder:
         parts = [
             self.term(term, int(starts[i]), int(starts[j])) for (i, j), block in terms.blocks.items() for term in block
         ]
-        return _collect(terms.place, partition, [part for part in parts if part.value.size])
+        stated = [part for part in parts if part.value.size]
+        if not stated:
+            raise PlantError("the LMI is zero for this plant, which is never definite; remove it", terms.place)
+        return _collect(terms.place, partition, stated)
 
     def term(self, term: Term, top: int, start: int) -> _Entries:
         """Entries of one term in the block whose first entry is (top, start)."""

@@ -10,12 +10,14 @@ from typing import Any
 
 import click
 
-from lmic import __version__
+from lmic import __version__, interrupts
 from lmic.authoring.command import check, new
-from lmic.echo import echo_json
+from lmic.diagnosis.command import diagnose
+from lmic.echo import echo_json, sentence, silence_output
 from lmic.errors import LmicError
 from lmic.options import JSON, Choices, compiling, needed, numbers, refuse_with_file
 from lmic.pages.command import report
+from lmic.papers.command import reproduce
 from lmic.sweeps.command import sweep
 
 PLANT_HELP = "Plant file: .toml, .json, .mat or .npz."
@@ -31,21 +33,32 @@ SOLVER = click.option(
 
 
 class Group(click.Group):
-    """Prints lmic's own errors as one line and ends with 1; ``--debug`` shows the traceback."""
+    """Ends in one line where something is wrong or Ctrl-C was pressed; ``--debug`` shows an error's traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; one that is interrupted says what is kept."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as stop:
+            click.echo(f"interrupted; {stop.args[0] if stop.args else interrupts.NOTHING}", err=True)
+            ctx.exit(interrupts.EXIT)
 
     def main(self, args: Sequence[str] | None = None, **kwargs: Any) -> Any:  # type: ignore[override]
         """Run the command line; ``--debug`` may stand anywhere in it."""
         words = list(sys.argv[1:] if args is None else args)
         debug = "--debug" in words
         try:
-            return super().main([word for word in words if word != "--debug"], **kwargs)
-        except LmicError as error:
+            try:
+                return super().main([word for word in words if word != "--debug"], **kwargs)
+            finally:
+                sys.stdout.flush()  # a full disk shows here
+        except (LmicError, OSError, MemoryError) as error:
             if debug:
                 raise
-            click.echo(f"{type(error).__name__}: {error}", err=True)
-            sys.exit(1)
-        except BrokenPipeError:
-            sys.stderr.close()
+            if isinstance(error, OSError):
+                silence_output()
+            if not isinstance(error, BrokenPipeError):  # as of lmic list | head -1, which has all that it wants
+                click.echo(sentence(error), err=True)
             sys.exit(1)
 
 
@@ -58,6 +71,8 @@ def main() -> None:
     """Compile, solve and check parameter-dependent linear matrix inequalities."""
 
 
+main.add_command(diagnose)
+main.add_command(reproduce)
 main.add_command(sweep)
 main.add_command(new)
 main.add_command(check)
@@ -277,93 +292,27 @@ def export(name: str, plant: Path | None, output: Path, as_json: bool, **choices
 
 
 @main.command()
-@click.argument("names", nargs=-1)
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    default=Path("reports"),
-    show_default=True,
-    help="Folder for the figures and the report.",
-)
-@click.option(
-    "--certify",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    help="Prove an enclosure of every number anew (as --fresh), and write the certificates to a folder.",
-)
-@click.option("--fresh", is_flag=True, help="Prove every enclosure anew, instead of the library's certificates.")
-@JSON
-def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh: bool, as_json: bool) -> None:
-    """Regenerate the papers' tables and figures (all, or by the beginning of their ids), and one report."""
-    from time import perf_counter
-
-    from lmic import reporting, terminal
-    from lmic.certify.certificate_file import write_certificate
-    from lmic.pages.report import Reproduction, write_report
-    from lmic.papers.cases import select
-    from lmic.papers.figures import draw, draw_curve, draw_responses
-    from lmic.papers.reproduce import Verdict, run_curve, run_simulation
-    from lmic.papers.reproduce import reproduce as run_table
-
-    tables = select(names)
-    for folder in filter(None, (output, certify)):
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise LmicError(f"the folder {folder} cannot be written: {error.strerror}; choose another") from error
-    start = perf_counter()
-    records, papers = [], []
-    trusted = True
-    for table in tables:
-        outcomes = {}
-        swept = {}
-        with terminal.progress(len(table.cases) + len(table.curves), table.paper, quiet=as_json) as advance:
-            for outcome in run_table(table, fresh=fresh or certify is not None):
-                outcomes[outcome.case.id] = outcome
-                if certify and outcome.enclosure and outcome.certificate:
-                    write_certificate(outcome.certificate, certify / f"{outcome.case.id}.json")
-                advance(outcome.case.what)
-            for curve in table.curves:
-                swept[curve.id] = (curve, run_curve(curve))
-                advance(curve.title)
-        simulated = [run_simulation(simulation, outcomes) for simulation in table.simulations]
-        figures = [
-            path
-            for simulation, trajectories in zip(table.simulations, simulated, strict=True)
-            for path in draw(simulation, trajectories, outcomes, output)
-        ]
-        figures += draw_responses(table, outcomes, output)
-        figures += [path for curve, found in swept.values() for path in draw_curve(curve, found, output)]
-        gains = reporting.achieved_gains(table, simulated, outcomes)
-        records += [outcome.record() | {"achieved": gains.get(case)} for case, outcome in outcomes.items()]
-        trusted &= all(outcome.verdict is not Verdict.UNTRUSTED for outcome in outcomes.values())
-        trusted &= not any(one.failed or one.doubtful for _, found in swept.values() for one in found.values())
-        papers.append(Reproduction(table, outcomes, gains, figures))
-        if not as_json:
-            reporting.print_reproduction(table, outcomes, gains, figures)
-    written = write_report(papers, output, perf_counter() - start)
-    if as_json:
-        echo_json(records)
-    else:
-        click.echo(f"report: {', '.join(map(str, written))}")
-    if not trusted:
-        sys.exit(1)
-
-
-@main.command()
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default=Path("site"), show_default=True, help="Folder to write."
 )
 def gallery(output: Path) -> None:
     """Write a page for every theorem of the library, and an index."""
     from lmic import library, terminal
+    from lmic.files import make_folder
     from lmic.pages.gallery import write_gallery
 
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LmicError(f"the folder {output} cannot be written: {error.strerror}; choose another with -o") from error
-    with terminal.progress(len(library.names()), "gallery") as advance:
-        index = write_gallery(output, advance)
+    make_folder(output)
+    done: list[str] = []
+    names = library.names()
+
+    def kept() -> str:
+        return f"{len(done)} of {len(names)} pages are in {output}, and the same command writes them all"
+
+    with interrupts.keeping(kept), terminal.progress(len(names), "gallery") as advance:
+
+        def written(name: str) -> None:
+            done.append(name)
+            advance(name)
+
+        index = write_gallery(output, written)
     click.echo(str(index))

@@ -181,7 +181,9 @@ def joint_step(domain: Domain, bounds: Bounds) -> PolytopeDomain:
         points = np.concatenate([reduced.reshape(-1, 2, free), last], axis=2).reshape(-1, 2 * count)
         return PolytopeDomain(names, tuple(map(tuple, points.tolist())))
     if count != 1 or not isinstance(domain, BoxDomain):
-        raise DomainError(f"a bounded step on a {domain.kind} is taken component by component")
+        raise DomainError(
+            f"a bounded step on a {domain.kind} is taken component by component; give step = 'free' or 'constant'"
+        )
     low, high = float(domain.lower[0]), float(domain.upper[0])
     (least, most) = steps[0]
     rows = [[1, 0, -high], [-1, 0, low], [0, 1, -high], [0, -1, low], [-1, 1, -most], [1, -1, least]]
@@ -262,5 +264,7 @@ def _interval(bounds: Bounds, component: str, what: str) -> tuple[float, float]:
     if not (np.isfinite(low) and np.isfinite(high)):
         raise DomainError(f"the bound on the {what} of {component} is not finite; give a number, or step = 'free'")
     if low > high:
-        raise DomainError(f"the bound on the {what} of {component} is empty: [{low:g}, {high:g}]")
+        raise DomainError(
+            f"the bound on the {what} of {component} is empty: [{low:g}, {high:g}]; give its lower end first"
+        )
     return low, high

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from lmic.errors import LmicError
 
@@ -12,20 +15,28 @@ from lmic.errors import LmicError
 def write_whole(path: Path, content: str | bytes) -> None:
     """Write a text (as UTF-8) or bytes to a temporary file beside ``path`` and move it there.
 
-    Raises LmicError where that is impossible; nothing half written is left.
+    What is no file, such as /dev/stdout, is written to as it is; a link is followed. Raises LmicError where that is
+    impossible; nothing half written is left.
     """
-    if path.is_dir():
-        raise LmicError(f"{path} cannot be written: it is a folder; name a file in it")
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    data = content.encode() if isinstance(content, str) else content
+    draft = None
     try:
-        draft.write_bytes(content.encode() if isinstance(content, str) else content)
-        draft.replace(path)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise LmicError(f"{path} cannot be written: {error.strerror}; choose another place") from error
-    except BaseException:
-        draft.unlink(missing_ok=True)
-        raise
+        if path.is_dir():
+            raise LmicError(f"{path} cannot be written: it is a folder; name a file in it")
+        if path.exists() and not path.is_file():
+            with path.open("wb", buffering=0) as stream:
+                stream.write(data)
+            return
+        target = path.resolve() if path.is_symlink() else path
+        draft = target.with_name(f".{target.name}.{os.getpid()}")
+        draft.write_bytes(data)
+        draft.replace(target)
+    except (OSError, ValueError) as error:  # a name with a null character is a ValueError
+        raise LmicError(f"{path} cannot be written: {reason(error)}; choose another place") from error
+    finally:
+        if draft is not None:
+            with suppress(OSError, ValueError):
+                draft.unlink(missing_ok=True)
 
 
 def write_new(contents: Mapping[Path, str]) -> None:
@@ -53,3 +64,25 @@ def write_new(contents: Mapping[Path, str]) -> None:
 def _remove(paths: Sequence[Path]) -> None:
     for path in paths:
         path.unlink(missing_ok=True)
+
+
+def write_figure(path: Path, figure: Any) -> None:
+    """Write a matplotlib figure in the format that the suffix names; raises ValueError for an unknown one."""
+    image = BytesIO()
+    figure.savefig(image, format=path.suffix.removeprefix(".").lower(), dpi=130)
+    write_whole(path, image.getvalue())
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it; raises LmicError where that is impossible."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        if not os.access(path, os.W_OK | os.X_OK):
+            raise PermissionError(0, "permission denied")
+    except (OSError, ValueError) as error:
+        raise LmicError(f"the folder {path} cannot be written: {reason(error)}; choose another") from error
+
+
+def reason(error: OSError | ValueError) -> str:
+    """Why the system refused, in its own words and without the path."""
+    return (getattr(error, "strerror", None) or str(error)).lower()

@@ -41,7 +41,13 @@ class ExponentialEntry(sp.Function):
 
     def _sympystr(self, printer: Any) -> str:
         row, column = self.place
-        return f"expm({printer.doprint(self.time)}*{self.exponent.tolist()})[{row + 1},{column + 1}]"
+        return f"expm({printer.doprint(self.time)}*{_text(self.exponent)})[{row + 1},{column + 1}]"
+
+
+@lru_cache(maxsize=64)
+def _text(exponent: sp.ImmutableMatrix) -> str:
+    """The exponent's rows, written once for all of its entries: atoms are put in order by their texts."""
+    return str(exponent.tolist())
 
 
 def exponential(exponent: sp.MatrixBase, time: sp.Expr, rows: int, columns: slice) -> sp.Matrix:

@@ -22,6 +22,9 @@ from lmic.index import entries, files, group
 from lmic.index import root as root  # noqa: PLC0414
 from lmic.language.theorem import Theorem
 
+#: characters of a foreign error that are shown
+LONGEST = 300
+
 
 def names() -> list[str]:
     """Names of all theorems and variants, in order."""
@@ -108,7 +111,8 @@ def _run(path: Path) -> ModuleType:
     except LmicError as error:
         raise type(error)(f"{_place(path, error)}: {error}") from error
     except (Exception, SystemExit) as error:  # the user's file may raise anything
-        raise DefinitionError(f"{_place(path, error)}: {type(error).__name__}: {error}; correct the line") from error
+        said = ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split())[:LONGEST])))
+        raise DefinitionError(f"{_place(path, error)}: {said}; correct the line") from error
     finally:
         sys.dont_write_bytecode = wrote_bytecode
     return module

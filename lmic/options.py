@@ -96,7 +96,7 @@ class Choices:
         sizes = {name: _count(value, f"--size {name}") for name, value in _pairs(self.sizes, "--size").items()}
         for name, value in sizes.items():
             if value < 1:
-                raise LmicError(f"--size {name}={value}: a dimension is at least 1")
+                raise LmicError(f"--size {name}={value}: a dimension is at least 1; give such a number")
         return sizes
 
     def relaxation(self, plant: Plant) -> Relaxation:

@@ -16,9 +16,11 @@ from typing import Any, TypeAlias
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
+from sympy.polys.orderings import lex
 from sympy.polys.polyutils import dict_from_expr
+from sympy.polys.rings import PolyRing
 
-from lmic.functions import replaced_entries
+from lmic.functions import ExponentialEntry, replaced_entries
 
 Array: TypeAlias = NDArray[Any]
 Atom: TypeAlias = sp.Expr
@@ -231,19 +233,38 @@ class ScalarTerms(Monomials):
 def scalar_terms(expression: sp.Expr) -> ScalarTerms:
     """A scalar expression as a polynomial in its atoms, e.g. ``2*a*sin(r) + r**2``."""
     expression = sp.sympify(expression)
-    return _product_terms(expression) or _expanded_terms(sp.expand(expression))
+    # a float means the decimal that it was written as, here as in a plant
+    expression = expression.xreplace({f: sp.Rational(repr(float(f))) for f in expression.atoms(sp.Float)})
+    return _product_terms(expression) or _polynomial_terms(expression) or _expanded_terms(sp.expand(expression))
 
 
 def _product_terms(expression: sp.Expr) -> ScalarTerms | None:
-    """A number times powers of symbols, which most entries and basis functions are; None for anything else."""
+    """A number times powers of symbols or of entries of exp(tM), as most entries are; None for anything else."""
     number, product = expression.as_coeff_Mul()
     if not number.is_Rational:
         return None
     powers = [factor.as_base_exp() for factor in sp.Mul.make_args(product) if factor != 1]
-    if not all(base.is_Symbol and power.is_Integer and power > 0 for base, power in powers):
+    if not all(isinstance(b, (sp.Symbol, ExponentialEntry)) and p.is_Integer and p > 0 for b, p in powers):
         return None
     exponents = np.array([[int(power) for _, power in powers]], dtype=np.int64).reshape(1, len(powers))
     return ScalarTerms(tuple(base for base, _ in powers), exponents, (Fraction(int(number.p), int(number.q)),))
+
+
+def _polynomial_terms(expression: sp.Expr) -> ScalarTerms | None:
+    """A polynomial in symbols, multiplied out in sympy's polynomial ring, which is fast; None for anything else."""
+    if not expression.free_symbols:
+        return None
+    generators = sp.Poly(sp.Add(*expression.free_symbols)).gens
+    try:
+        terms = PolyRing(generators, sp.QQ, lex).from_expr(expression).terms()
+    except ValueError:
+        return None
+    if not terms:
+        return None
+    exponents = np.array([powers for powers, _ in terms], dtype=np.int64)
+    used = np.flatnonzero(exponents.any(axis=0))
+    coefficients = tuple(Fraction(int(value.numerator), int(value.denominator)) for _, value in terms)
+    return ScalarTerms(tuple(generators[column] for column in used), exponents[:, used], coefficients)
 
 
 def _expanded_terms(expression: sp.Expr) -> ScalarTerms:

@@ -10,7 +10,7 @@ import numpy as np
 
 from lmic.assemble import ConicProblem
 from lmic.assumptions import vertex_points
-from lmic.certify.certificate import Certificate
+from lmic.certify.certificate import Certificate, with_advice
 from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
 from lmic.language.theorem import Theorem
@@ -304,7 +304,7 @@ def print_verdict(certificate: Certificate, verdict: Verdict) -> None:
     if certificate.library_plant:
         out.print(f"data        those of the library's {certificate.library_plant}")
     if not verdict.holds:
-        out.print(f"[bold red]failed[/bold red]      {verdict.reason}")
+        out.print(f"[bold red]failed[/bold red]      {with_advice(verdict.reason)}")
         return
     names = dict.fromkeys(n for bound in (certificate.upper, certificate.lower) if bound for n in bound.reports)
     for name in names:

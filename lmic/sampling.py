@@ -60,19 +60,26 @@ def cover(plant: Plant, gain: Gain = Gain.RIGOROUS, parameter: str = "h", expone
     """
     domain, matrix = plant.domains.get(parameter), plant.matrices.get(exponent)
     if domain is None or len(domain.components) != 1:
-        raise PlantError(f"{plant.name}: {parameter} is no parameter with one component, so it cannot be covered")
+        raise PlantError(
+            f"{plant.name}: {parameter} is no parameter with one component, so it cannot be covered; name another"
+        )
     if matrix is None or matrix.monomials.atoms:
         raise PlantError(f"{plant.name}: a covering of {parameter} needs the constant matrix {exponent}; add it")
     A = matrix.numeric().coefficients[0]
     low, high = float(domain.vertices.min()), float(domain.vertices.max())
     if low <= 0:
-        raise PlantError(f"{plant.name}: {parameter} reaches {low:g}; sampling intervals are positive")
+        raise PlantError(
+            f"{plant.name}: {parameter} reaches {low:g}; sampling intervals are positive; raise its lower end"
+        )
     points, gains, intervals = [(low + high) / 2], list[float](), list[tuple[float, float]]()
     while True:
         for point in points[len(gains) :]:
             gains.append(sampled_gain(A, point))
             if not np.isfinite(gains[-1]):
-                raise PlantError(f"{plant.name}: {exponent} is not Hurwitz, so no interval around {point:g} is covered")
+                raise PlantError(
+                    f"{plant.name}: {exponent} is not Hurwitz, so no interval around {point:g} is covered; "
+                    f"give a --grid"
+                )
             intervals.append(tolerated(A, point, gain.of(gains[-1])))
         gaps = _gaps(intervals, low, high)
         if not gaps:

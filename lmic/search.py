@@ -11,6 +11,7 @@ import numpy as np
 
 from lmic.bind import Binding
 from lmic.errors import LmicError, Place
+from lmic.interrupts import keeping
 from lmic.pipeline import Result, finish, run
 from lmic.relax.relax import Relaxation
 from lmic.solve.cone import ConeSolver, Status
@@ -81,14 +82,20 @@ def bisect(
         )
     if _feasible(at_bad := solved(bad)):
         return Found(name, bad, bad, at_bad, solves)
-    while abs(good - bad) > tolerance * max(abs(good), abs(bad)):
-        middle = (good + bad) / 2
-        result = solved(middle)
-        solves += 1
-        if _feasible(result):
-            good, best = middle, result
-        else:
-            bad = middle
+
+    def kept() -> str:
+        ends = f"{min(good, bad):.12g}:{max(good, bad):.12g}"
+        return f"after {solves} solves {name} = {good:.8g} is the best; go on with --search {name}={ends}"
+
+    with keeping(kept):
+        while abs(good - bad) > tolerance * max(abs(good), abs(bad)):
+            middle = (good + bad) / 2
+            result = solved(middle)
+            solves += 1
+            if _feasible(result):
+                good, best = middle, result
+            else:
+                bad = middle
     return Found(name, good, bad, best, solves)
 
 
@@ -125,17 +132,34 @@ def line_search(
             raise _FlatError
         return objective(value)
 
-    points = np.linspace(low, high, samples)
-    values = [objective(float(point)) for point in points]
-    if not np.isfinite(values).any():
-        raise LmicError(
-            f"the LMIs have no solution at {samples} values of {scalar} from {low:g} to {high:g}; change the interval",
-            Place(binding.theorem.name),
+    def kept() -> str:
+        known = sorted(results)
+        if not any(_value(result) < np.inf for result in results.values()):
+            return f"no solution was found at {len(known)} values of {scalar}; the same command begins anew"
+        best = min(known, key=objective)
+        left, right = (
+            max((k for k in known if k < best), default=low),
+            min((k for k in known if k > best), default=high),
         )
-    best = int(np.argmin(values))
-    left, right = float(points[max(best - 1, 0)]), float(points[min(best + 1, samples - 1)])
-    with suppress(_FlatError):
-        minimize_scalar(refined, bounds=(left, right), method="bounded", options={"xatol": tolerance * (high - low)})
+        return (
+            f"after {len(known)} solves {scalar} = {best:.8g} is the best, with the objective {objective(best):.8g}; "
+            f"go on with --search {scalar}={left:.12g}:{right:.12g}"
+        )
+
+    with keeping(kept):
+        points = np.linspace(low, high, samples)
+        values = [objective(float(point)) for point in points]
+        if not np.isfinite(values).any():
+            raise LmicError(
+                f"the LMIs have no solution at {samples} values of {scalar} from {low:g} to {high:g}; "
+                "change the interval",
+                Place(binding.theorem.name),
+            )
+        best = int(np.argmin(values))
+        left, right = float(points[max(best - 1, 0)]), float(points[min(best + 1, samples - 1)])
+        width = tolerance * (high - low)
+        with suppress(_FlatError):
+            minimize_scalar(refined, bounds=(left, right), method="bounded", options={"xatol": width})
     value = min(results, key=objective)
     below = max((known for known in results if known < value), default=value)
     above = min((known for known in results if known > value), default=value)

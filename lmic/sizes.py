@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import sympy as sp
 
 from lmic.errors import Place, PlantError, ShapeError
 from lmic.faults import Checked, demand
-from lmic.language.nodes import Leaf
+from lmic.language.nodes import Leaf, Node
 from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant
 
@@ -41,7 +41,7 @@ def sizes_of(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place: Pl
             f"it uses {', '.join(theorem.data)}: rename or remove it",
             place,
         )
-    symbols = set().union(*(_symbols(leaf) for node in theorem.nodes for leaf in node.leaves()))
+    symbols = set().union(*(size.free_symbols for node in _all_nodes(theorem) for size in node.shape))
     for name, size in sizes.items():
         symbol = next((s for s in symbols if s.name == name), None)
         if symbol is None:
@@ -49,7 +49,9 @@ def sizes_of(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place: Pl
             yield ShapeError(f"{name} is no dimension of the theorem, which has {known}; correct the name", place)
         elif values.get(symbol, size) != size:
             yield ShapeError(
-                f"{name} = {size} is asked for, but {witness[symbol]} has {name} = {values[symbol]}", place
+                f"{name} = {size} is asked for, but {witness[symbol]} has {name} = {values[symbol]}; "
+                "leave the size out",
+                place,
             )
     values |= {symbol: sizes[symbol.name] for symbol in symbols if symbol.name in sizes and symbol not in values}
     for name, leaf in theorem.data.items():
@@ -78,3 +80,9 @@ def sizes_of(theorem: Theorem, plant: Plant, sizes: Mapping[str, int], place: Pl
 
 def _symbols(leaf: Leaf) -> set[sp.Symbol]:
     return set().union(*(size.free_symbols for size in leaf.shape))
+
+
+def _all_nodes(theorem: Theorem) -> Iterator[Node]:
+    """Every matrix expression and all that it is made of: an identity's size may stand nowhere else."""
+    for node in theorem.nodes:
+        yield from (part for part in sp.preorder_traversal(node) if isinstance(part, Node))

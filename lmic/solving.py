@@ -37,7 +37,7 @@ def solve_theorem(
     as_json: bool,
 ) -> bool:
     """Solve a theorem, print what it reports and recovers, and say whether the number is to be trusted."""
-    found, refined, certificate = None, None, None
+    found, refined, certificate, unproven = None, None, None, False
     if output:
         check_output(output)
     if refine and (search or not certify):
@@ -58,7 +58,10 @@ def solve_theorem(
         # that there is no solution is said only where it is proven
         if certify or result.solution.status is Status.INFEASIBLE:
             relaxation = chosen.relaxation(result.problem.binding.plant)
-            certificate = prove(result, relaxation, given, chosen.dimensions())
+            try:
+                certificate = prove(result, relaxation, given, chosen.dimensions())
+            except KeyboardInterrupt:
+                unproven = True
             result = without_unproven_claim(result, certificate)
     if certificate and certify and certify != Path("-"):
         write_certificate(certificate, certify)
@@ -79,6 +82,10 @@ def solve_theorem(
                 f"minimised on {len(refined.values)} grids, each with the point where the last one failed: {values}"
             )
         reporting.print_result(result, certificate)
+    if unproven:
+        raise KeyboardInterrupt(
+            "the proof was not finished, so what is printed is numerical; the same command proves it"
+        )
     return result.solution.trusted
 
 

@@ -26,14 +26,15 @@ def table(*columns: str, title: str | None = None) -> Table:
 
 
 def _bar(quiet: bool) -> Progress:
+    errors = Console(stderr=True)
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
-        console=Console(stderr=True),
+        console=errors,
         transient=True,
-        disable=quiet,
+        disable=quiet or not errors.is_terminal,
     )
 
 

@@ -37,7 +37,7 @@ def damage(draw: st.DrawFn, content: bytes) -> bytes:
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @given(data=st.data())
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400, deadline=None, derandomize=True)
 def test_damage_is_read_or_refused(suffix: str, data: st.DataObject) -> None:
     content = data.draw(damage(CONTENT[suffix]))
     try:
@@ -53,7 +53,7 @@ LINES = st.lists(st.sampled_from(CONTENT[".cbf"].decode().splitlines() + CONTENT
 
 @pytest.mark.parametrize("suffix", [".dat-s", ".cbf"])
 @given(lines=LINES)
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400, deadline=None, derandomize=True)
 def test_lines_in_any_order_are_read_or_refused(suffix: str, lines: list[str]) -> None:
     try:
         FORMATS[suffix].read("\n".join(lines).encode())

@@ -91,3 +91,8 @@ class Certificate:
         if self.upper is None:
             return Standing.NUMERICAL
         return Standing.GRID if self.upper.functionals else Standing.CERTIFIED
+
+
+def with_advice(said: str) -> str:
+    """What is wrong with a certificate, and where that does not say it, what to do."""
+    return said if ";" in said else f"{said}; it was changed, or made from other data: make it anew with --certify"

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from lmic.certify import document
-from lmic.certify.certificate import Certificate, Lower, Unknown, Upper
+from lmic.certify.certificate import Certificate, Lower, Unknown, Upper, with_advice
 from lmic.certify.finite import Coefficient, Functional
 from lmic.certify.infeasible import Infeasible
 from lmic.certify.lower import Dual, Pivot
@@ -46,7 +46,7 @@ def read_certificate(path: str | os.PathLike[str]) -> Certificate:
     try:
         return parsed(content)
     except CertificateError as error:
-        raise CertificateError(f"{file}: {error}") from error
+        raise CertificateError(f"{file}: {with_advice(str(error))}") from error
 
 
 # Writing --------------------------------------------------------------------------------------------

@@ -130,9 +130,9 @@ def _infeasible(certificate: Certificate, result: Result, relaxation: Relaxation
     return replace(certificate, infeasible=claim, solver=double_precision(result.solution.solver))
 
 
-def without_unproven_claim(result: Result, certificate: Certificate) -> Result:
+def without_unproven_claim(result: Result, certificate: Certificate | None) -> Result:
     """The result; where the solver calls the LMIs infeasible and that is not proven, as a failure."""
-    if result.solution.status is not Status.INFEASIBLE or certificate.infeasible:
+    if result.solution.status is not Status.INFEASIBLE or (certificate and certificate.infeasible):
         return result
     return replace(result, solution=replace(result.solution, status=Status.FAILED))
 
@@ -155,6 +155,8 @@ def refutation(
     found = lower_only(blank(result, relaxation, given, sizes), result, relaxation)
     assert found.lower is not None
     if not found.lower.reports:
-        raise CertificateError("the theorem reports neither what it minimises nor its root, so no report is bounded")
+        raise CertificateError(
+            "the theorem reports neither what it minimises nor its root, so no report is bounded; report one of them"
+        )
     report, lower = next(iter(found.lower.reports.items()))
     return found, report, lower

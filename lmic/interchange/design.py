@@ -37,7 +37,9 @@ def write_design(result: Result, path: Path) -> None:
     check_suffix(path)
     if not result.theorem.recover or not result.solution.status.usable:
         reason = f"is {result.solution.status.value}" if result.theorem.recover else "recovers nothing"
-        raise RecoveryError(f"the theorem {reason}, so that there is no design to write", Place(result.theorem.name))
+        raise RecoveryError(
+            f"the theorem {reason}, so that there is no design to write; leave out -o", Place(result.theorem.name)
+        )
     match path.suffix.lower():
         case ".npz":
             write_whole(path, _npz(_arrays(result)))

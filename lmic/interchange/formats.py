@@ -59,7 +59,7 @@ def read_problem(path: str | Path) -> SDP:
         with file.open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)
         if len(content) > MAX_BYTES:
-            raise FormatError(f"holds more than {MAX_BYTES >> 20} MiB, more than lmic takes")
+            raise FormatError(f"holds more than {MAX_BYTES >> 20} MiB, more than lmic takes; split the problem")
         return found.read(content)
     except FormatError as error:
         raise FormatError(f"{file}: {error}") from error

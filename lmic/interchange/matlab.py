@@ -97,7 +97,7 @@ def _program(arrays: Mapping[str, Any]) -> SDP:
         raise FormatError("has no structure K; SeDuMi's form is At (or A), b, c and K")
     for name, what in _REFUSED_CONES.items():
         if name in cone and np.any(_vector(cone[name], f"K.{name}")):
-            raise FormatError(f"has {what}")
+            raise FormatError(f"has {what}; rewrite these as LMIs")
     linear = _sizes(cone.get("l"), "K.l")
     if len(linear) > 1:
         raise FormatError("K.l is not one number; it is the number of linear inequalities")
@@ -163,7 +163,7 @@ def _vector(value: Any, name: str) -> Array:
     if 0 not in matrix.shape and 1 not in matrix.shape:
         raise FormatError(f"{name} is {matrix.shape[0]} x {matrix.shape[1]}; it is a vector")
     if max(matrix.shape) > 10**7:
-        raise FormatError(f"{name} has {max(matrix.shape)} entries, more than lmic takes")
+        raise FormatError(f"{name} has {max(matrix.shape)} entries, more than lmic takes; split the problem")
     vector: Array = matrix.toarray().ravel()
     return vector
 

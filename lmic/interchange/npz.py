@@ -81,7 +81,7 @@ def _arrays(content: bytes) -> dict[str, Array]:
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
             if sum(member.file_size for member in archive.infolist()) > MAX_UNPACKED:
-                raise FormatError(f"holds more than {MAX_UNPACKED >> 20} MiB of data, more than lmic takes")
+                raise FormatError(f"holds more than {MAX_UNPACKED >> 20} MiB of data, more than lmic takes; split it")
             for member in archive.infolist():
                 if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
                     raise FormatError("is packed in a foreign way; write it by numpy.savez_compressed")

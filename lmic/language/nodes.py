@@ -8,7 +8,7 @@ where the theorem, LMI and block can be named.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import sympy as sp
 from sympy.matrices.expressions.matexpr import MatrixExpr
@@ -53,7 +53,7 @@ class Node(MatrixExpr):
         return self if is_zero(other) else MatrixSum.of(self, MatrixProduct.of(-1, as_node(other)))
 
     def __rsub__(self, other: Any) -> Node:
-        return MatrixSum.of(other, MatrixProduct.of(-1, self))
+        return MatrixSum.of(other, -self)
 
     def __neg__(self) -> Node:
         return MatrixProduct.of(-1, self)
@@ -68,7 +68,27 @@ class Node(MatrixExpr):
     __rmatmul__ = __rmul__
 
     def __truediv__(self, other: Any) -> Node:
+        if isinstance(other, (MatrixExpr, str)) or exact(other) == 0:
+            raise DefinitionError(f"{self} is divided by {other}; divide by a scalar, and write inv(X) for an inverse")
         return MatrixProduct.of(1 / exact(other), self)
+
+    def __rtruediv__(self, other: Any) -> NoReturn:
+        raise DefinitionError(f"{other} is divided by the matrix {self}; write inv({self})")
+
+    def __pow__(self, exponent: Any, modulo: Any = None) -> NoReturn:
+        raise DefinitionError(f"{self} is raised to a power; write the product, or inv({self})")
+
+    def __rpow__(self, base: Any) -> NoReturn:
+        raise DefinitionError(f"the matrix {self} is used as an exponent; give such a function as data of the plant")
+
+    def __getitem__(self, key: Any) -> NoReturn:
+        raise DefinitionError(f"an entry of {self} is asked for; sizes are symbols here, so write blocks as matrices")
+
+    def __floordiv__(self, other: Any) -> NoReturn:
+        raise DefinitionError(f"{self} is divided by //; write / and a scalar")
+
+    def __mod__(self, other: Any) -> NoReturn:
+        raise DefinitionError(f"{self} is reduced by %; only + - * and / by a scalar are defined of matrices")
 
     @property
     def T(self) -> Node:
@@ -167,7 +187,9 @@ class Leaf(Node):
         """The matrix at the given parameters."""
         for argument in arguments:
             if not isinstance(argument, Parameter):
-                raise DefinitionError(f"{self.name}({argument}): the argument is not a parameter such as alpha")
+                raise DefinitionError(
+                    f"{self.name}({argument}): the argument is no parameter; give one that Simplex or Box made"
+                )
         return self._with(arguments=arguments)
 
     def _with(self, **changes: Any) -> Leaf:
@@ -282,7 +304,7 @@ class MatrixProduct(Node):
                 factors.extend(operand.nodes)
             elif isinstance(operand, Node):
                 factors.append(operand)
-            elif isinstance(operand, MatrixExpr):
+            elif isinstance(operand, (MatrixExpr, str)):
                 as_node(operand)
             else:
                 try:

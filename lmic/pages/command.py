@@ -26,6 +26,8 @@ def report(result: Path, output: Path | None, theorem: str | None, as_json: bool
     from lmic.pages.result import report as write_page
     from lmic.result_file import read_result
 
+    if not result.name:
+        raise FormatError(f"{result} is no file; give the one that 'lmic solve -o' wrote")
     page = output or result.with_suffix(".html")
     if page.suffix.lower() != ".html":
         raise FormatError(f"{page} would hold a page; end the name in .html")

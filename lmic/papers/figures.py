@@ -12,6 +12,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from lmic.errors import LibraryError
+from lmic.files import write_figure
 from lmic.language.systems import DelayedFornasiniMarchesini, FornasiniMarchesini
 from lmic.norms import frozen_magnitude
 from lmic.papers.cases import CaseTable, Curve, Panel, Response, Simulation
@@ -155,7 +156,7 @@ def _canvas() -> Any:
 def _saved(figure: Any, name: str, title: str, folder: Path) -> Path:
     figure.suptitle(title, fontsize=11)
     path = folder / f"{name}.png"
-    figure.savefig(path, dpi=130)
+    write_figure(path, figure)
     return path
 
 

@@ -34,6 +34,7 @@ MAX_ARGUMENT_DEGREE, MAX_ARGUMENT_TERMS = 5, 20  # of a function's argument mult
 MAX_DIGITS = 100  # characters of a literal
 MAX_EXPONENT = 200  # of a literal, in powers of ten
 MAX_BITS = 1024  # of a numerator or denominator, so that every number has a finite float
+MAX_TOTAL_TERMS = 20_000  # multiplied out, of all expressions of one file together
 
 FUNCTIONS: Mapping[str, Any] = {
     "sin": sp.sin,
@@ -66,7 +67,24 @@ _COMPARISONS: Mapping[type[ast.cmpop], tuple[int, int]] = {
     ast.Gt: (-1, -1),
 }
 _LITERAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e(?P<exponent>[+-]?\d+))?", re.ASCII | re.IGNORECASE)
+_QUOTIENT = re.compile(rf"[+-]?\d{{1,{MAX_DIGITS}}}/0*[1-9]\d{{0,{MAX_DIGITS - 1}}}", re.ASCII)
 _FOREIGN = re.compile(r"[^\w\s+\-*/().,<>=]")
+
+
+class Budget:
+    """What the expressions of one file may still cost: each pays for the terms that it is multiplied out to."""
+
+    def __init__(self, terms: int = MAX_TOTAL_TERMS) -> None:
+        self._total = self._left = terms
+
+    def spend(self, terms: int, text: str) -> None:
+        """Pay for the terms; raises ExpressionError, naming the text, where no more are left."""
+        self._left -= terms
+        if self._left < 0:
+            raise ExpressionError(
+                f"with {quoted(text)} the expressions of this file have more than {self._total} terms, all multiplied "
+                "out together; lower their powers, or give fewer of them"
+            )
 
 
 class Where(sp.Function):
@@ -103,19 +121,20 @@ class Where(sp.Function):
         return sp.Piecewise((then, left >= right), (otherwise, True))
 
 
-def parse(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
+def parse(text: str, symbols: Mapping[str, sp.Symbol], budget: Budget | None = None) -> sp.Expr:
     """The expression that ``text`` states in the given symbols, with exact numbers.
 
     Raises ExpressionError, quoting the text and the offending part, if it is not one of the
-    expressions above, passes a limit, or holds a constant that is infinite, complex or undefined.
-    Functions of symbols stay as written, and ``where`` becomes Where.
+    expressions above, passes a limit, leaves nothing of the ``budget`` that it shares with others, or
+    holds a constant that is infinite, complex or undefined. Functions of symbols stay as written, and
+    ``where`` becomes Where.
     """
     try:
         text = " ".join(text.split())
         tree = _syntax_tree(text)
         # Python normalises the names of a syntax tree in this way.
         known = {unicodedata.normalize("NFKC", name): symbol for name, symbol in symbols.items()}
-        reader = _Reader(text, {**CONSTANTS, **known})
+        reader = _Reader(text, {**CONSTANTS, **known}, budget or Budget())
         expression = reader.read(tree)
         reader.expanded(expression, tree)
     except RecursionError:
@@ -125,10 +144,17 @@ def parse(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
 
 def rational(text: str) -> Fraction:
     """The exact value of a text such as ``"0.45"``, ``"-1/3"`` or ``"2*(1 + 1/3)"``; else ExpressionError."""
+    if (value := quotient(text)) is not None:
+        return value
     expression = parse(text, {})
     if not expression.is_Rational:
         raise ExpressionError(f"{quoted(text)} is not a rational number; give one such as 0.5 or 1/3")
     return Fraction(int(expression.p), int(expression.q))
+
+
+def quotient(text: str) -> Fraction | None:
+    """The value of a text such as ``"-1/3"``, which needs no parser; None for any other text."""
+    return Fraction(text.strip()) if _QUOTIENT.fullmatch(text.strip()) else None
 
 
 def decimal(text: str) -> Fraction:
@@ -214,6 +240,7 @@ class _Reader:
 
     text: str
     known: Mapping[str, sp.Expr]
+    budget: Budget
 
     def read(self, node: ast.expr) -> sp.Expr:
         match node:
@@ -264,6 +291,7 @@ class _Reader:
     def expanded(self, expression: sp.Expr, node: ast.expr) -> sp.Expr:
         """The expression multiplied out, which shows constants in disguise such as (x + 1)**2 - x*(x + 2)."""
         self.bound(expression, node)
+        self.budget.spend(size(expression)[0], self.text)
         expanded = sp.expand(expression)
         self.bound(expanded, node)
         if expanded.is_number and not _is_finite(expanded):

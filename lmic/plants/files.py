@@ -1,4 +1,8 @@
-"""Plant files: TOML, JSON, NumPy .npz and MATLAB .mat. They are data and never run anything.
+"""Plant files: TOML, JSON, NumPy .npz and MATLAB .mat. They are data: they run nothing and name no other file.
+
+No key refers to a file (``source`` is a text that is shown), expressions are parsed by lmic's own rules, pickled
+objects and MATLAB's function handles and objects are refused, and limits on bytes, depth, powers and terms keep time
+and memory small whatever a file holds.
 
 A text file (JSON has the same structure)::
 
@@ -72,7 +76,7 @@ from numpy.typing import NDArray
 from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.errors import DomainError, PlantError
 from lmic.functions import exponential
-from lmic.plants.expressions import RESERVED, decimal, parse, quoted, size
+from lmic.plants.expressions import RESERVED, Budget, decimal, parse, quoted, quotient, size
 from lmic.plants.fractional import FractionalForm, fractional_plant
 from lmic.plants.matlab import read_arrays
 from lmic.plants.plant import Plant, exact_number, vertex_polynomial
@@ -83,6 +87,7 @@ Array: TypeAlias = NDArray[Any]
 MAX_BYTES = 4 * 2**20  # of a file, packed and unpacked
 MAX_VERTICES = 1000  # of a simplex
 MAX_COEFFICIENTS = 10**7  # of a matrix of expressions
+ENTRY_TERMS = 5  # for which an entry of an exponential counts, a function of its own
 MAX_DOTS = 32  # of a line of TOML, decimal points apart
 
 _DECIMAL_POINT = re.compile(r"(?<![\w.])\d+\.\d")
@@ -210,11 +215,14 @@ def plant_of_tables(document: Any, stem: str) -> Plant:
     plant = Plant({}, domains, motions, scalars, **texts)
     matrices: dict[str, MatrixPolynomial] = {}
     entries = dict(_named(document, "matrices"))
+    budget = Budget()
     exponentials = {name for name, entry in entries.items() if isinstance(entry, dict) and "exponential" in entry}
     for name in sorted(entries, key=lambda name: name in exponentials):
         with _at(f"matrix {name}"):
             matrices[name] = (
-                _exponential(entries[name], plant, matrices) if name in exponentials else _matrix(entries[name], plant)
+                _exponential(entries[name], plant, matrices, budget)
+                if name in exponentials
+                else _matrix(entries[name], plant, budget)
             )
     plant = replace(plant, matrices=matrices, exponentials={name: entries[name] for name in sorted(exponentials)})
     if "fractional" not in document:
@@ -294,12 +302,12 @@ def _number(entry: Any) -> Fraction:
     return decimal(entry) if isinstance(entry, Numeral) else exact_number(entry)
 
 
-def _matrix(entry: Any, plant: Plant) -> MatrixPolynomial:
+def _matrix(entry: Any, plant: Plant, budget: Budget) -> MatrixPolynomial:
     """A matrix of numbers and expressions, or the vertices of one."""
     scalars = {name: sp.Symbol(name) for name in plant.scalars}
     if not isinstance(entry, dict):
         components = (name for domain in plant.domains.values() for name in domain.components)
-        return _polynomial(_entries(entry, scalars | {name: sp.Symbol(name) for name in components}))
+        return _polynomial(_entries(entry, scalars | {name: sp.Symbol(name) for name in components}, budget))
     entry = _table(entry, {"vertices", "parameter"})
     domain = _simplex(entry.get("parameter"), plant.domains)
     given, count = entry.get("vertices"), len(domain.components)
@@ -309,14 +317,14 @@ def _matrix(entry: Any, plant: Plant) -> MatrixPolynomial:
     vertices = []
     for number, vertex in enumerate(given, 1):
         with _at(f"vertex {number}"):
-            vertices.append(_entries(vertex, scalars))
+            vertices.append(_entries(vertex, scalars, budget))
             if vertices[-1].shape != vertices[0].shape:
                 sizes = f"{_shape(vertices[-1])} where vertex 1 is {_shape(vertices[0])}"
                 raise PlantError(f"is {sizes}; make all vertices equally large")
     return _vertex_sum(np.array(vertices), domain)
 
 
-def _exponential(entry: Any, plant: Plant, known: Mapping[str, MatrixPolynomial]) -> MatrixPolynomial:
+def _exponential(entry: Any, plant: Plant, known: Mapping[str, MatrixPolynomial], budget: Budget) -> MatrixPolynomial:
     """exp(tA), or the integral of exp(sA) B over s from 0 to t: a block of exp(t [[A, B], [0, 0]])."""
     entry = _table(entry, {"exponential", "time", "input"})
     exponent = _constant(entry["exponential"], known)
@@ -328,14 +336,16 @@ def _exponential(entry: Any, plant: Plant, known: Mapping[str, MatrixPolynomial]
     components = {name: sp.Symbol(name) for domain in plant.domains.values() for name in domain.components}
     if not isinstance(entry.get("time"), str):
         raise PlantError('has no time; add time = "h", the component that multiplies the exponent')
-    time = parse(entry["time"], components)
+    time = parse(entry["time"], components, budget)
     if "input" not in entry:
+        budget.spend(ENTRY_TERMS * order**2, "exponential")
         return _entries_of(exponential(sp.Matrix(exponent), time, order, slice(None)))
     right = _constant(entry["input"], known)
     if right.shape[0] != order:
         raise PlantError(
             f"{quoted(entry['input'])} has {right.shape[0]} rows where the exponent has {order}; correct one"
         )
+    budget.spend(ENTRY_TERMS * order * right.shape[1], "exponential")
     augmented = sp.zeros(order + right.shape[1])
     augmented[:order, :order], augmented[:order, order:] = sp.Matrix(exponent), sp.Matrix(right)
     return _entries_of(exponential(augmented, time, order, slice(order, None)))
@@ -387,7 +397,7 @@ def _fractional(entry: Any, plant: Plant) -> Plant:
     return fractional_plant(plant, FractionalForm(model, names, _name(delta)), simplex)
 
 
-def _entries(rows: Any, symbols: Mapping[str, sp.Symbol]) -> Array:
+def _entries(rows: Any, symbols: Mapping[str, sp.Symbol], budget: Budget) -> Array:
     """Fractions and expressions, shape (rows, cols)."""
     if not isinstance(rows, list) or not all(isinstance(row, list) for row in rows):
         raise PlantError(f"{quoted(rows)} is not a list of rows; write [[1, 0], [0, 1]]")
@@ -401,14 +411,16 @@ def _entries(rows: Any, symbols: Mapping[str, sp.Symbol]) -> Array:
             )
         for j, entry in enumerate(row):
             with _at(f"entry ({i + 1},{j + 1})"):
-                entries[i, j] = _entry(entry, symbols)
+                entries[i, j] = _entry(entry, symbols, budget)
     return entries
 
 
-def _entry(entry: Any, symbols: Mapping[str, sp.Symbol]) -> Fraction | sp.Expr:
+def _entry(entry: Any, symbols: Mapping[str, sp.Symbol], budget: Budget) -> Fraction | sp.Expr:
     if not isinstance(entry, str) or isinstance(entry, Numeral):
         return _number(entry)
-    expression = parse(entry, symbols)
+    if (value := quotient(entry)) is not None:
+        return value
+    expression = parse(entry, symbols, budget)
     return Fraction(int(expression.p), int(expression.q)) if expression.is_Rational else expression
 
 
@@ -420,8 +432,14 @@ def _polynomial(entries: Array) -> MatrixPolynomial:
     if all(isinstance(entry, Fraction) for entry in entries.flat):
         return MatrixPolynomial.constant(entries)
     matrix = sp.Matrix(entries)
-    if sum(size(entry)[0] for entry in matrix) * len(matrix) > MAX_COEFFICIENTS:
-        raise PlantError(f"has more than {MAX_COEFFICIENTS} coefficients, terms times entries; shorten its expressions")
+    terms = sum(size(entry)[0] for entry in matrix)
+    # every function and every reciprocal is an atom of its own, in which each term has a power
+    atoms = len(set().union(*(entry.atoms(sp.Symbol, sp.Function, sp.Pow) for entry in matrix)))
+    if terms * max(len(matrix), atoms) > MAX_COEFFICIENTS:
+        raise PlantError(
+            f"has more than {MAX_COEFFICIENTS} coefficients or powers, its terms times its entries or the functions in "
+            "them; shorten its expressions"
+        )
     return MatrixPolynomial.from_sympy(matrix)
 
 

@@ -114,7 +114,9 @@ def _checked(axis: Axis, points: Array) -> Array:
     """The points; raises where they are not those of the axis, or lie outside its domain."""
     if points.ndim != 2 or points.shape[1] != len(axis.symbols):
         names = ", ".join(map(str, axis.symbols))
-        raise RelaxationError(f"the grid points of {axis.name} need {len(axis.symbols)} coordinates each: ({names})")
+        raise RelaxationError(
+            f"the grid points of {axis.name} need {len(axis.symbols)} coordinates each; give ({names})"
+        )
     outside = points[~axis.domain.contains(points)]
     if len(outside):
         point = ", ".join(f"{value:.12g}" for value in outside[0])

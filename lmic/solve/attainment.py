@@ -39,7 +39,7 @@ def with_attainment(problem: ConeProblem, found: Solution, solver: ConeSolver, p
         return found
     values: list[float] = []
     for radius in RADII:
-        best, steps = passes_of(_bounded(data, radius), solver, passes)
+        best, steps = passes_of(bounded(data, radius), solver, passes)
         reached = np.abs(best.x[data.cost == 0]).max(initial=0.0) >= REACHED * radius
         falls = not values or values[-1] - best.step.value > best.step.uncertainty * abs(best.step.value)
         if not (best.answer.status.usable and reached and falls):
@@ -53,7 +53,7 @@ def with_attainment(problem: ConeProblem, found: Solution, solver: ConeSolver, p
     return replace(within, bound=min(found.bound, within.bound), attained=False, warnings=(*within.warnings, note))
 
 
-def _bounded(data: ConeData, radius: float) -> ConeData:
+def bounded(data: ConeData, radius: float) -> ConeData:
     """The problem with |x_i| ≤ radius for every unknown that the objective does not hold."""
     free = sps.csc_array(sps.eye_array(len(data.cost)))[data.cost == 0]
     count = free.shape[0]

@@ -9,6 +9,7 @@ import clarabel
 import numpy as np
 import scipy.sparse as sps
 
+from lmic.interrupts import noticed
 from lmic.solve.cone import ConeAnswer, ConeData, Status, no_answer
 
 _STATUS = {
@@ -65,7 +66,10 @@ class Clarabel:
             settings,
         )
         try:
-            solution = solver.solve()
+            with noticed() as stop:
+                # called after each iteration, while Clarabel itself hears no signal
+                solver.set_termination_callback(lambda _: stop())
+                solution = solver.solve()
         except BaseException as error:
             if type(error).__name__ != "PanicException":  # how a Rust panic arrives in Python
                 raise

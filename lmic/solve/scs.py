@@ -42,6 +42,8 @@ class SCS:
         settings = {"verbose": False, **(_ROUGH if rough else _FINE), **self.settings}
         solution = scs.SCS(problem, {"s": [int(order) for order in data.orders]}, **settings).solve()
         info = solution["info"]
+        if info["status_val"] == scs.SIGINT:  # SCS takes Ctrl-C for itself
+            raise KeyboardInterrupt
         return ConeAnswer(
             _STATUS.get(info["status"], Status.FAILED),
             np.array(solution["x"]),

@@ -117,10 +117,12 @@ def _texts(kind: Kind, text: str) -> list[Any]:
         return [part.strip() for part in text.split(",") if part.strip()]
     logarithmic = parts[0].strip() == "log"
     if len(parts) - logarithmic != 3 or not parts[-1].strip().isdecimal():
-        raise SweepError("a range is LOW:HIGH:COUNT or log:LOW:HIGH:COUNT")
+        raise SweepError("a range is LOW:HIGH:COUNT or log:LOW:HIGH:COUNT; write one such as 0.1:6:60")
     low, high, count = exact_number(parts[-3].strip()), exact_number(parts[-2].strip()), int(parts[-1])
     if count < 2 or not low < high or (logarithmic and low <= 0):
-        raise SweepError("a range goes from a lower to a higher number, positive ones with log, in 2 points or more")
+        raise SweepError(
+            "a range goes from a lower to a higher number, positive ones with log, in 2 points or more; correct it"
+        )
     if logarithmic:
         middle = np.geomspace(float(low), float(high), count)[1:-1]
         return [low, *(exact_number(float(value)) for value in middle), high]

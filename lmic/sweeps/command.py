@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lmic.errors import SweepError
+from lmic.interrupts import keeping
 from lmic.options import JSON, Choices, compiling, dependences, interval, numbers
 
 if TYPE_CHECKING:
@@ -69,45 +70,47 @@ def sweep(
     """Solve a theorem at every combination of scalars, plants, bases and relaxations."""
     from lmic import library, terminal
     from lmic.plants.files import read_plant
+    from lmic.sweeps.plot import check_picture, plot
     from lmic.sweeps.sweep import sweep as run
+    from lmic.sweeps.swept import check_table
 
     chosen = Choices(**choices)
     read = [read_plant(plant) for plant in plants]
     axes = _axes(over)
+    if table:
+        check_table(table)
+    if picture:
+        check_picture(picture)
     reached = (0, 0)
-    try:
-        with terminal.counter(name, quiet=as_json) as counted:
 
-            def advance(points: int, total: int) -> None:
-                nonlocal reached
-                reached = (reached[0] + points, total)
-                counted(points, total)
-
-            swept = run(
-                library.theorem(name),
-                read,
-                axes,
-                numbers(chosen.given, "--set"),
-                dependences(chosen.dependence),
-                chosen.relaxation(read[0]),
-                chosen.dimensions(),
-                interval(search, "--search") if search else None,
-                output,
-                jobs,
-                scheduler,
-                advance,
-            )
-    except KeyboardInterrupt:
+    def kept() -> str:
         done, total = reached
-        click.echo(
-            f"interrupted; {done} of {total} points are in {output}, and the same command does the others", err=True
+        return f"{done} of {total} points are in {output}, and the same command does the others"
+
+    with keeping(kept), terminal.counter(name, quiet=as_json) as counted:
+
+        def advance(points: int, total: int) -> None:
+            nonlocal reached
+            reached = (reached[0] + points, total)
+            counted(points, total)
+
+        swept = run(
+            library.theorem(name),
+            read,
+            axes,
+            numbers(chosen.given, "--set"),
+            dependences(chosen.dependence),
+            chosen.relaxation(read[0]),
+            chosen.dimensions(),
+            interval(search, "--search") if search else None,
+            output,
+            jobs,
+            scheduler,
+            advance,
         )
-        sys.exit(130)
     if table:
         swept.write_table(table)
     if picture:
-        from lmic.sweeps.plot import plot
-
         plot(swept, picture, report, least_over)
     if as_json:
         import json

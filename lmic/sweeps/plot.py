@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lmic.errors import SweepError
+from lmic.files import write_figure
 from lmic.sweeps.axes import Axis
 from lmic.sweeps.swept import Swept
 
@@ -17,10 +18,17 @@ Array: TypeAlias = NDArray[Any]
 
 #: curves that an eye can still tell apart; beyond that two axes make a map
 CURVES = 8
+PICTURES = (".png", ".pdf", ".svg")
 #: ratio of neighbouring steps from which an axis is logarithmic
 LOGARITHMIC = 3.0
 #: ratio of the largest to the median value from which a map is logarithmic
 STEEP = 30.0
+
+
+def check_picture(path: Path) -> None:
+    """Raise SweepError for a path whose suffix names no picture."""
+    if path.suffix.lower() not in PICTURES:
+        raise SweepError(f"{path} cannot be drawn: its format is unknown; end the name in {' or '.join(PICTURES)}")
 
 
 def plot(swept: Swept, path: Path, report: str | None = None, least_over: str | None = None) -> None:
@@ -31,6 +39,7 @@ def plot(swept: Swept, path: Path, report: str | None = None, least_over: str | 
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    check_picture(path)
     name = report or swept.reports[0]
     values, axes = swept.values(name), list(swept.plan.axes)
     if least_over is not None:
@@ -53,10 +62,7 @@ def plot(swept: Swept, path: Path, report: str | None = None, least_over: str | 
     sought = f", best {swept.plan.search[0]} at each point" if swept.plan.search else ""
     sought += f", least over {least_over}" if least_over else ""
     figure.suptitle(f"{swept.plan.theorem.title}{sought}", fontsize=11)
-    try:
-        figure.savefig(path, dpi=130)
-    except (OSError, ValueError) as error:
-        raise SweepError(f"{path} cannot be drawn: {error}; end the name in .png, .pdf or .svg") from error
+    write_figure(path, figure)
 
 
 def _curves(panel: Any, across: Axis, others: list[Axis], values: Array) -> None:

@@ -32,6 +32,8 @@ class Store:
     def __enter__(self) -> Self:
         if self.path is None:
             return self
+        if self.path.exists() and not self.path.is_file():
+            raise SweepError(f"{self.path} cannot be written: it is no file; name one")
         if not self.path.exists() or (self.path.is_file() and not self.path.stat().st_size):
             header = {"lmic sweep": FORMAT, "version": __version__, **self.plan.header}
             write_whole(self.path, json.dumps(header, ensure_ascii=False) + "\n")
@@ -83,16 +85,28 @@ class Store:
         for number, line in enumerate(lines[1:], 2):
             record = _object(line)
             at = record.pop("at", None) if record else None
-            if record is None or not isinstance(at, dict) or set(at) != set(columns):
+            if record is None or not isinstance(at, dict) or set(at) != set(columns) or not _is_record(record):
                 raise SweepError(f"{self.path}, line {number} is no point of this sweep; remove the line")
-            found[tuple(at[column] for column in columns)] = record
+            found[tuple(str(at[column]) for column in columns)] = record
         return found
+
+
+def _is_record(record: Mapping[str, Any]) -> bool:
+    """Whether it holds what a worker writes of a point: a reason, or everything that is known of a result."""
+    if "error" in record:
+        return isinstance(record["error"], str)
+    kinds = {"status": str, "soundness": str, "trusted": bool, "iterations": int, "solves": int, "reports": dict}
+    if not all(type(record.get(name)) is kind for name, kind in kinds.items()):
+        return False
+    numbers = [record.get(name) for name in ("objective", "bound", "uncertainty", "violation", "seconds")]
+    numbers += [*record["reports"].values(), *(record.get("found") or {}).values()]
+    return all(value is None or isinstance(value, (int, float)) for value in numbers)
 
 
 def _object(line: bytes) -> dict[str, Any] | None:
     try:
         found = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
 

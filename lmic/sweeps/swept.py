@@ -27,6 +27,16 @@ FACTS = (
 )  # fmt: skip
 
 
+#: formats of a table
+TABLES = (".csv", ".parquet")
+
+
+def check_table(path: Path) -> None:
+    """Raise SweepError for a path whose suffix names no table."""
+    if path.suffix not in TABLES:
+        raise SweepError(f"the format of {path} is unknown; end the name in {' or '.join(TABLES)}")
+
+
 @dataclass(frozen=True)
 class Swept:
     """All records of a finished sweep, in the order of the plan: the last axis runs fastest."""
@@ -108,10 +118,8 @@ class Swept:
 
     def write_table(self, path: Path) -> None:
         """The table as .csv, or as .parquet with the extra ``table``."""
-        writers = {".csv": self._write_csv, ".parquet": self._write_parquet}
-        if path.suffix not in writers:
-            raise SweepError(f"the format of {path} is unknown; end the name in {' or '.join(writers)}")
-        writers[path.suffix](path)
+        check_table(path)
+        (self._write_csv if path.suffix == ".csv" else self._write_parquet)(path)
 
     def _write_csv(self, path: Path) -> None:
         columns = self.columns()
@@ -127,10 +135,6 @@ class Swept:
             from pyarrow import parquet
         except ImportError as error:
             raise SweepError("a .parquet table needs Arrow: pip install 'lmic[table]', or write a .csv one") from error
-        draft = path.with_name(f".{path.name}.draft")
-        try:
-            parquet.write_table(pyarrow.table(self.columns()), draft)
-            draft.replace(path)
-        except OSError as error:
-            draft.unlink(missing_ok=True)
-            raise SweepError(f"{path} cannot be written: {error.strerror}; choose another place") from error
+        content = io.BytesIO()
+        parquet.write_table(pyarrow.table(self.columns()), content)
+        write_whole(path, content.getvalue())
