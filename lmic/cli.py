@@ -20,7 +20,7 @@ from lmic.pages.command import report
 from lmic.papers.command import reproduce
 from lmic.sweeps.command import sweep
 
-PLANT_HELP = "Plant file: .toml, .json, .mat or .npz."
+PLANT_HELP = "Plant file (.toml, .json, .mat, .npz) or a plant of the library, as peixoto2025.example1."
 PLANT = click.option("--plant", type=click.Path(path_type=Path), required=True, help=PLANT_HELP)
 PLANT_OF_THEOREM = click.option("--plant", type=click.Path(path_type=Path), help=f"{PLANT_HELP} Needed for a theorem.")
 SOLVER = click.option(
@@ -97,7 +97,7 @@ def list_theorems(as_json: bool) -> None:
 
 @main.command()
 @click.argument("name")
-@click.option("--plant", type=click.Path(path_type=Path), help="Compile for this plant.")
+@click.option("--plant", type=click.Path(path_type=Path), help="Compile for this plant, a file or one of the library.")
 @click.option("--vertices", default=2, show_default=True, help="Without a plant: vertices of each domain.")
 @compiling
 @JSON

@@ -46,6 +46,16 @@ def files() -> dict[str, Path]:
     }
 
 
+@cache
+def plants() -> dict[str, Path]:
+    """Every plant file of the library by its name: ``peixoto2025.example1``."""
+    return {
+        ".".join(path.relative_to(root()).with_suffix("").parts): path
+        for path in sorted(root().rglob("*.toml"))
+        if path.name != "cases.toml"
+    }
+
+
 def group(name: str) -> str:
     """``peixoto2025.`` of ``peixoto2025.theorem1``."""
     return name.rpartition(".")[0] + "." if "." in name else ""

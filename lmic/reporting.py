@@ -13,6 +13,7 @@ from lmic.assumptions import vertex_points
 from lmic.certify.certificate import Certificate, with_advice
 from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
+from lmic.index import group, plants
 from lmic.language.theorem import Theorem
 from lmic.norms import TOLERANCE
 from lmic.papers.cases import CaseTable
@@ -52,6 +53,7 @@ def description(theorem: Theorem, problem: ConicProblem) -> dict[str, Any]:
         "description": theorem.description,
         "data": {name: _size(leaf.shape) for name, leaf in theorem.data.items()},
         "given": [symbol.name for symbol in theorem.givens],
+        "plants": [name for name in plants() if group(name) and group(name) == group(theorem.name)],
         "parameters": {name: [str(p) for p in found] for name, found in theorem.parameters.items()},
         "unknowns": {
             name: {
@@ -83,6 +85,8 @@ def print_description(theorem: Theorem, problem: ConicProblem) -> None:
     out.print(f"data      {', '.join(f'{name} ({size})' for name, size in record['data'].items())}")
     if record["given"]:
         out.print(f"given     {', '.join(record['given'])}")
+    if record["plants"]:
+        out.print(f"plants    {', '.join(record['plants'])}")
     out.print(f"minimise  {record['minimise'] or 'nothing (feasibility)'}")
     for name, expression in record["reports"].items():
         out.print(f"reports   {name} = {expression}")

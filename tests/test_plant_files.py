@@ -23,6 +23,7 @@ from plant_file_tools import (
     write_npz,
 )
 
+from lmic.certify.document import same_plant
 from lmic.domains import BoxDomain, Motion, SimplexDomain
 from lmic.errors import PlantError
 from lmic.plants.files import read_plant
@@ -98,6 +99,10 @@ def test_everything_that_a_text_file_may_state(tmp_path: Path) -> None:
     assert plant.matrices["A"].evaluate(point)[0] == pytest.approx(np.array([[1.25, np.sin(0.25)], [0, 3]]))
     assert plant.matrices["B"].evaluate(point)[0] == pytest.approx(np.array([[0.75 * -0.2 + 0.25 * 0.3]]))
     assert plant.matrices["K"].monomials.atoms == (c,)
+
+
+def test_the_library_s_plants_go_by_name() -> None:
+    assert same_plant(read_plant("peixoto2025.example1"), read_plant(PAPER / "example1.toml"))
 
 
 def test_example_1_of_the_paper() -> None:

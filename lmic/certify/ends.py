@@ -30,6 +30,7 @@ from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import UnprovenError, point, proven
 from lmic.errors import CertificateError, Place
+from lmic.index import plants
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result
 from lmic.plants.files import read_plant
@@ -80,8 +81,8 @@ def exact_scalars(plant: Plant, theorem: Theorem, given: Mapping[str, Any]) -> d
 
 def library_plant(plant: Plant) -> str:
     """The file of the library that has these data, or an empty text."""
-    for file in sorted(library.root().glob("*/*.toml")):
-        if file.name != "cases.toml" and document.same_plant(read_plant(file), plant):
+    for file in plants().values():
+        if document.same_plant(read_plant(file), plant):
             return file.relative_to(library.root()).as_posix()
     return ""
 

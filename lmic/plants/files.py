@@ -63,6 +63,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from difflib import get_close_matches
 from fractions import Fraction
 from io import BytesIO
 from itertools import chain
@@ -76,6 +77,7 @@ from numpy.typing import NDArray
 from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.errors import DomainError, PlantError
 from lmic.functions import exponential
+from lmic.index import plants
 from lmic.plants.expressions import RESERVED, Budget, decimal, parse, quoted, quotient, size
 from lmic.plants.fractional import FractionalForm, fractional_plant
 from lmic.plants.matlab import read_arrays
@@ -94,19 +96,25 @@ _DECIMAL_POINT = re.compile(r"(?<![\w.])\d+\.\d")
 
 
 def read_plant(path: str | os.PathLike[str]) -> Plant:
-    """The plant that a .toml, .json, .npz or .mat file states.
+    """The plant that a .toml, .json, .npz or .mat file states, or one of the library's by its name.
 
-    Raises PlantError, naming the file and the matrix and entry in it, for whatever is wrong.
+    ``read_plant("peixoto2025.example1")`` needs no file of one's own. Raises PlantError, naming the file and the matrix
+    and entry in it, for whatever is wrong.
     """
-    file = Path(path)
-    with _at(str(file)):
+    file = plants().get(str(path), Path(path))
+    with _at(str(path)):
         reader = _READERS.get(file.suffix.lower())
         if reader is None:
-            raise PlantError(f"'{file.suffix}' is not the suffix of a plant file; use {', '.join(_READERS)}")
+            raise PlantError(f"'{file.suffix}' is not the suffix of a plant file; {_meant(str(path))}")
         plant = reader(_content(file), file.stem)
         if not plant.matrices:
             raise PlantError("states no matrix; give at least one")
         return plant
+
+
+def _meant(name: str) -> str:
+    near = get_close_matches(name, plants(), n=2)
+    return f"did you mean the library's {' or '.join(near)}?" if near else f"use {', '.join(_READERS)}"
 
 
 @contextmanager

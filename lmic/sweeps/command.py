@@ -28,7 +28,7 @@ SHOWN = 60
     type=click.Path(path_type=Path),
     multiple=True,
     required=True,
-    help="Plant file; several of them are an axis.",
+    help="Plant, a file or one of the library; several of them are an axis.",
 )
 @click.option(
     "--over",
