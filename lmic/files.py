@@ -68,8 +68,8 @@ def _remove(paths: Sequence[Path]) -> None:
 
 def write_figure(path: Path, figure: Any) -> None:
     """Write a matplotlib figure in the format that the suffix names; raises ValueError for an unknown one."""
-    image = BytesIO()
-    figure.savefig(image, format=path.suffix.removeprefix(".").lower(), dpi=130)
+    image, kind = BytesIO(), path.suffix.removeprefix(".").lower()
+    figure.savefig(image, format=kind, dpi=130, metadata={"Date": None} if kind == "svg" else None)
     write_whole(path, image.getvalue())
 
 

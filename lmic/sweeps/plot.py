@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from lmic.errors import SweepError
 from lmic.files import write_figure
+from lmic.pages.figures import STYLE
 from lmic.sweeps.axes import Axis
 from lmic.sweeps.swept import Swept
 
@@ -23,6 +24,8 @@ PICTURES = (".png", ".pdf", ".svg")
 LOGARITHMIC = 3.0
 #: ratio of the largest to the median value from which a map is logarithmic
 STEEP = 30.0
+#: width and height of the picture in inches
+SIZE = (6.2, 3.9)
 
 
 def check_picture(path: Path) -> None:
@@ -36,8 +39,7 @@ def plot(swept: Swept, path: Path, report: str | None = None, least_over: str | 
 
     ``least_over`` is an axis along which only the least value counts.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    import matplotlib as mpl
 
     check_picture(path)
     name = report or swept.reports[0]
@@ -47,11 +49,20 @@ def plot(swept: Swept, path: Path, report: str | None = None, least_over: str | 
         del axes[swept.axis(least_over)]
         if not axes:
             raise SweepError(f"{least_over} is the only axis, so nothing is left to draw over; leave out --least-over")
-    figure = Figure(figsize=(7, 4.4), layout="constrained")
-    FigureCanvasAgg(figure)
     place = max(range(len(axes)), key=lambda k: (axes[k].numeric, len(axes[k].values)))
     across = axes.pop(place)
     values = np.moveaxis(values, place, -1)
+    with mpl.rc_context(STYLE):
+        write_figure(path, _drawn(swept, across, axes, values, name, least_over))
+
+
+def _drawn(swept: Swept, across: Axis, axes: list[Axis], values: Array, name: str, least_over: str | None) -> Any:
+    """The figure of values whose last axis is ``across``, a curve or a row of a map for each point of the others."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    FigureCanvasAgg(figure)
     panel = figure.add_subplot()
     if len(axes) == 1 and axes[0].numeric and len(axes[0].values) > CURVES:
         _map(figure, panel, across, axes[0], values, name)
@@ -61,8 +72,8 @@ def plot(swept: Swept, path: Path, report: str | None = None, least_over: str | 
     panel.set_xlabel(_label(across.column))
     sought = f", best {swept.plan.search[0]} at each point" if swept.plan.search else ""
     sought += f", least over {least_over}" if least_over else ""
-    figure.suptitle(f"{swept.plan.theorem.title}{sought}", fontsize=11)
-    write_figure(path, figure)
+    figure.suptitle(f"{swept.plan.theorem.title}{sought}", fontsize=10)
+    return figure
 
 
 def _curves(panel: Any, across: Axis, others: list[Axis], values: Array) -> None:
@@ -71,14 +82,13 @@ def _curves(panel: Any, across: Axis, others: list[Axis], values: Array) -> None
     marker = "." if len(position) <= 40 else ""
     for labels, curve in zip(product(*(axis.labels for axis in others)), values, strict=True):
         named = ", ".join(f"{axis.column} = {label}" for axis, label in zip(others, labels, strict=True))
-        panel.plot(position[order], curve[order], marker=marker, linewidth=1.4, label=named)
+        panel.plot(position[order], curve[order], marker=marker, label=named)
     if not across.numeric:
         panel.set_xticks(position, across.labels, rotation=20 if len(position) > 4 else 0)
     elif _logarithmic(position[order]):
         panel.set_xscale("log")
-    panel.grid(alpha=0.3)
     if others and len(values) <= 2 * CURVES:
-        panel.legend(frameon=False, fontsize=8)
+        panel.legend()
 
 
 def _map(figure: Any, panel: Any, across: Axis, along: Axis, values: Array, name: str) -> None:
