@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: certificates docs gallery reproduce test test-all lint bench clean
+.PHONY: reproduce test test-all lint gallery docs picture bench certificates dist clean
 
 reproduce: $(VENV)/installed
 	$(BIN)/lmic reproduce
@@ -27,6 +27,18 @@ docs: $(VENV)/installed-docs
 	rm -rf site
 	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --doctree-dir build/doctrees docs site
 	@echo site/index.html
+
+# the README's first picture
+picture: $(VENV)/installed
+	mkdir -p build && rm -f build/oscillator.jsonl
+	$(BIN)/lmic sweep standard.bounded_real_continuous --plant standard.oscillator \
+	    --over s=0:0.6:31 --over dependence:P=constant,1,2 -o build/oscillator.jsonl --plot docs/oscillator.svg
+
+# the source archive, the wheel made from it, and what an index would say of both
+dist: $(VENV)/installed-dev
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation --outdir dist .
+	$(BIN)/twine check --strict dist/*
 
 # minutes; make bench MODE= leaves nothing out and takes much longer, most of it in CVXPY and PICOS
 MODE := --quick
