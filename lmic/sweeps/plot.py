@@ -52,7 +52,7 @@ def plot(swept: Swept, path: Path, report: str | None = None, least_over: str | 
     place = max(range(len(axes)), key=lambda k: (axes[k].numeric, len(axes[k].values)))
     across = axes.pop(place)
     values = np.moveaxis(values, place, -1)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(STYLE | {"axes.labelsize": 11}):
         write_figure(path, _drawn(swept, across, axes, values, name, least_over))
 
 
