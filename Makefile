@@ -60,6 +60,7 @@ certificates: $(VENV)/installed
 
 clean:
 	rm -rf $(VENV) build dist reports site .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find . -name __pycache__ -prune -exec rm -rf {} +
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

@@ -386,6 +386,8 @@ COMMANDS: dict[str, tuple[tuple[str, ...], list[str]]] = {
     "no such plant": (("solve", "my_theorem.py", "--plant", "no.toml"), ["PlantError", "no.toml"]),
     "plant of no kind": (("solve", "my_theorem.py", "--plant", "my_theorem.py"), ["PlantError", ".toml"]),
     "no such case": (("reproduce", "nobody"), ["LibraryError", "nobody", "peixoto2025"]),
+    "near case": (("reproduce", "peixoto2025.tabel1"), ["LibraryError", "peixoto2025.table1 or"]),
+    "near plant": (("show", "peixoto2025.theorem1", "--plant", "peixoto2025.exampel1"), ["PlantError", "library"]),
     "scalar missing": (("solve", *PAPER), ["peixoto2025.theorem1", "eps"]),
     "scalar unknown": (("solve", *OWN, "--set", "eps=1"), ["my_theorem", "eps"]),
     "scalar without value": (("solve", *PAPER, "--set", "eps"), ["--set eps", "NAME=VALUE"]),

@@ -25,5 +25,5 @@ def test_the_name_is_defined_in_the_file(name: str, path: str) -> None:
 
 def test_there_is_a_checklist_for_each_kind() -> None:
     headings = re.findall(r"^## (.*)$", TEXT, flags=re.MULTILINE)
-    assert headings == ["A theorem", "A relaxation", "A solver", "A file format", "A command"]
+    assert headings == ["A theorem", "A relaxation", "A solver", "A file format", "A command", "A release"]
     assert len(NAMED) > 25

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -146,7 +147,14 @@ def select(names: tuple[str, ...]) -> list[CaseTable]:
     known += [curve.id for table in tables for curve in table.curves]
     for name in names:
         if not any(_matches(case, name) for case in known):
-            raise LibraryError(f"no case is called '{name}'; the cases are {', '.join(known)}")
+            prefixes = {case.rpartition(".")[0] for case in known}
+            near = get_close_matches(name, sorted({*known, *prefixes, *(table.group for table in tables)}), n=3)
+            hint = (
+                f"did you mean {' or '.join(near)}?"
+                if near
+                else f"a name begins with {', '.join(t.group for t in tables)}"
+            )
+            raise LibraryError(f"no case is called '{name}'; {hint}")
     reduced = []
     for table in tables:
         wanted = {case.id for case in table.cases if any(_matches(case.id, name) for name in names)}

@@ -113,6 +113,9 @@ def read_plant(path: str | os.PathLike[str]) -> Plant:
 
 
 def _meant(name: str) -> str:
+    here = [name + suffix for suffix in _READERS if Path(name + suffix).is_file()]
+    if here:
+        return f"did you mean {' or '.join(here)}?"
     near = get_close_matches(name, plants(), n=2)
     return f"did you mean the library's {' or '.join(near)}?" if near else f"use {', '.join(_READERS)}"
 
