@@ -227,6 +227,7 @@ def test_refuses_other_versions_of_mat(header: bytes, message: str, tmp_path: Pa
 def test_refuses_paths_that_are_no_plant_files(tmp_path: Path) -> None:
     refused(tmp_path / "plant.csv", "'.csv' is not the suffix of a plant file; use .toml, .json, .npz, .mat")
     refused(tmp_path / "plant", "'' is not the suffix")
+    refused(tmp_path / ("a" * 300), "'' is not the suffix")
     refused(Path("peixoto2025.exampel1"), "did you mean the library's peixoto2025.example1 or")
     refused(write(tmp_path / "plant.toml", b"").with_suffix(""), f"did you mean {tmp_path / 'plant.toml'}?")
     refused(tmp_path / "none.toml", "No such file or directory")

@@ -61,7 +61,7 @@ import tomllib
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
@@ -113,7 +113,9 @@ def read_plant(path: str | os.PathLike[str]) -> Plant:
 
 
 def _meant(name: str) -> str:
-    here = [name + suffix for suffix in _READERS if Path(name + suffix).is_file()]
+    here: list[str] = []
+    with suppress(OSError, ValueError):  # a name that no file can have
+        here = [name + suffix for suffix in _READERS if Path(name + suffix).is_file()]
     if here:
         return f"did you mean {' or '.join(here)}?"
     near = get_close_matches(name, plants(), n=2)
