@@ -17,7 +17,7 @@ from lmic.cli import main
 from lmic.plants.plant import Plant
 from lmic.solve.registry import SOLVERS
 
-README, PROGRAMS = Document("README.md"), Document("docs/programs.md")
+README, PROGRAMS, SWEEPS = Document("README.md"), Document("docs/programs.md"), Document("docs/sweeps.md")
 block = README.block
 
 
@@ -64,6 +64,18 @@ def test_the_first_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert np.isnan(none)
     assert all(np.isfinite(wider))
     assert (tmp_path / words[-1]).read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_the_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command as it is written, at few of its points."""
+    words = _words(SWEEPS.block("sh"))
+    thinned = {"rho=1:21:21": "rho=1,21", "eps=0.1:6:296": "eps=1,2"}
+    assert thinned.keys() <= set(words)
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, [*(thinned.get(word, word) for word in words[1:]), "--jobs", "1"])
+    assert result.exit_code == 0, result.output
+    assert "4 points (4 solved)" in result.output
+    assert (tmp_path / words[-1]).is_file()
 
 
 def _words(text: str) -> list[str]:

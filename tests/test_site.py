@@ -18,7 +18,7 @@ from lmic.cli import main
 # what sphinx-click and MyST will have to change before a Sphinx to come
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::PendingDeprecationWarning")
 
-PAGES = ["index", "tutorial", "commands", "language", "python", "records", "theorems", "papers", "extending", "scaling"]
+PAGES = sorted(path.stem for path in (ROOT / "docs").glob("*.md"))
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
