@@ -33,6 +33,10 @@ def test_first_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     violations = re.search(r"violation +(\S+) \(relative to diag S: (\S+)\)", result.stdout)
     assert violations
     assert all(float(value) < 1e-9 for value in violations.groups())
+    _, *words = Document("docs/diagnosis.md").block("sh").split()
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 0, result.output
+    assert "dissipation" in result.stdout
 
 
 def test_first_result() -> None:
