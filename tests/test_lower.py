@@ -153,6 +153,17 @@ def test_a_miss_costs_its_share_of_the_radius() -> None:
         lower_bound(problem, dual)
 
 
+def test_an_lmi_that_grows_as_a_whole_needs_no_dual_matrix() -> None:
+    """minimise x subject to [[x, 1], [1, 1]] ⪰ 0 and [[y, x], [x, y]] ⪰ 0: the second holds for a large y."""
+    first = [[[0, 1], [1, 1]], [[1, 0], [0, 0]], [[0, 0], [0, 0]]]
+    second = [[[0, 0], [0, 0]], [[0, 1], [1, 0]], [[1, 0], [0, 1]]]
+    problem = problem_of([first, second], [1, 0])
+    near = [fractions([[1, -1 + 1e-9], [-1 + 1e-9, 1 + 1e-9]]), fractions(np.zeros((0, 0)))]
+    dual, bound = exact_dual(problem, near, (None, np.zeros((2, 0), dtype=int)))
+    assert 1 - Fraction(1, 10**6) < bound < 1
+    assert lower_bound(problem, dual) == bound
+
+
 def test_an_irrational_face_is_bounded_for_bounded_unknowns() -> None:
     """The growing direction of y is (1, √2)(1, √2)ᵀ, known as a double: W must vanish on what is no fraction."""
     root = Fraction(2.0**0.5)

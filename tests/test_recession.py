@@ -117,6 +117,22 @@ def test_nested_faces_are_found_one_after_the_other() -> None:
     assert len(answer[0].on_face.reduction.faces) == 2
 
 
+def test_an_lmi_that_grows_as_a_whole_is_left_out() -> None:
+    """minimise x + y subject to [[x, 1], [1, y]] ⪰ 0 and [[t − 5x, 1], [1, t]] ⪰ 0."""
+    pair = np.array([[0.0, 1], [1, 0]])
+    nothing = np.zeros((2, 2))
+    first = [pair, np.diag([1.0, 0]), np.diag([0, 1.0]), nothing]
+    second = [pair, np.diag([-5.0, 0]), nothing, np.eye(2)]
+    data = problem_of([1, 1, 0], first, second)
+    answer = solve_on_face(data, Clarabel(), 6)
+    assert answer is not None
+    found = answer[0]
+    assert found.step.bound == pytest.approx(2, rel=1e-7)
+    assert found.step.value == pytest.approx(2, rel=1e-6)
+    assert found.step.violation == 0
+    assert data.matrix.T @ found.dual == pytest.approx(data.cost, abs=1e-7)
+
+
 def test_where_nothing_grows_no_face_is_found() -> None:
     """minimise x + y subject to [[x, 1], [1, y]] ⪰ 0: no direction is free of cost."""
     pair = np.array([[0.0, 1], [1, 0]])

@@ -155,7 +155,7 @@ def _points_on_face(result: Result, optimum: FaceOptimum) -> Iterator[Array]:
 def _duals_on_face(result: Result, optimum: FaceOptimum, exact: Exact) -> Iterator[DualCandidate]:
     everything = list(range(len(result.problem.orders)))
     finite, faces = exact(everything), optimum.reduction.bases
-    own = slack_matrices(optimum.dual, optimum.reduction.core.orders)
+    own = optimum.reduction.matrices(optimum.dual)
     for matrices in chain(_rounded_inwards(own), (optimum.dual_matrices(share, Clarabel()) for share in SHARES)):
         if all(np.isfinite(matrix).all() for matrix in matrices):
             yield DualCandidate(everything, finite, [fractions((one + one.T) / 2) for one in matrices], faces)

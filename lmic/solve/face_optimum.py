@@ -53,7 +53,7 @@ class FaceOptimum:
         """Positive definite W on the face whose bound is about ``share`` of the objective below the optimum."""
         core = self.reduction.core
         slack = core.matrix @ self.x + core.offset
-        return slack_matrices(inside_dual(core, slack, self.dual, share * self.size, solver), core.orders)
+        return self.reduction.matrices(inside_dual(core, slack, self.dual, share * self.size, solver))
 
 
 def inside(core: ConeData, x: Array, dual: Array, price: float, solver: ConeSolver) -> Array:

@@ -56,9 +56,10 @@ class Face:
 
     @cached_property
     def core(self) -> ConeData:
-        """The compressed problem in unknowns that it sees, independent of one another."""
-        kept = self.seen.kept
-        return replace(self.compressed, cost=self.compressed.cost[kept], matrix=self.compressed.matrix[:, kept])
+        """The compressed problem without LMIs that grow as a whole, in independent unknowns."""
+        kept, orders = self.seen.kept, self.compressed.orders
+        cost, matrix = self.compressed.cost[kept], self.compressed.matrix[:, kept]
+        return replace(self.compressed, cost=cost, matrix=matrix, orders=orders[orders > 0])
 
     def dual(self, packed: Array) -> Array:
         """svec of V W Vᵀ for every LMI, from that of W."""
@@ -72,24 +73,26 @@ class Face:
         return np.concatenate(parts)
 
     def lifted(self, x: Array) -> Array:
-        """A point strictly inside all cones from one of ``core`` that is inside its own; ±inf where there is none.
+        """A point strictly inside all cones from one of ``core`` strictly inside its own.
 
         The step that the face does not see brings VᵀFU near zero, in the metric of VᵀFV, with the unit
-        vectors U that complete V. Then UᵀFU is raised along the ray until it outweighs the rest.
+        vectors U that complete V. Then UᵀFU is raised along the ray until it outweighs the rest. Raises
+        LinAlgError where the core's point is not inside.
         """
         found = np.zeros(len(self.whole.cost))
         found[self.seen.kept] = x
         matrices = slack_matrices(self.whole.matrix @ found + self.whole.offset, self.whole.orders)
         rows, right = [], []
         for across, base, matrix in zip(self._across, self.bases, matrices, strict=True):
-            if base is not None:
+            if base is not None and base.shape[1]:
                 root = np.linalg.cholesky(base.T @ matrix @ base)
                 n, m = len(root), across.shape[0] // len(root)
                 columns = across.reshape(n, m * across.shape[1])
                 rows.append(scipy.linalg.solve_triangular(root, columns, lower=True).reshape(n * m, -1))
                 rest = base.T @ matrix[:, _complement(base)]
                 right.append(scipy.linalg.solve_triangular(root, rest, lower=True).ravel())
-        found += self._unseen @ np.linalg.lstsq(np.concatenate(rows), -np.concatenate(right), rcond=RANK)[0]
+        if rows:
+            found += self._unseen @ np.linalg.lstsq(np.concatenate(rows), -np.concatenate(right), rcond=RANK)[0]
         return found + self._multiple(found) * self.ray
 
     def _multiple(self, x: Array) -> float:
@@ -139,14 +142,20 @@ class Reduction:
 
     @cached_property
     def bases(self) -> tuple[Array | None, ...]:
-        """V of the innermost face for every LMI of the problem."""
-        found = self.faces[0].bases
+        """V of the innermost face for every LMI of the problem; it has no columns where an LMI grows as a whole."""
+        found = list(self.faces[0].bases)
         for face in self.faces[1:]:
-            found = tuple(
-                inner if outer is None else outer if inner is None else outer @ inner
-                for outer, inner in zip(found, face.bases, strict=True)
-            )
-        return found
+            left = [k for k, outer in enumerate(found) if outer is None or outer.shape[1]]
+            for k, inner in zip(left, face.bases, strict=True):
+                outer = found[k]
+                found[k] = inner if outer is None else outer if inner is None else outer @ inner
+        return tuple(found)
+
+    def matrices(self, packed: Array) -> list[Array]:
+        """W for every LMI of the problem, from svec of the core's; none has rows where an LMI grows as a whole."""
+        orders = self.faces[0].whole.orders
+        sizes = [n if base is None else base.shape[1] for n, base in zip(orders, self.bases, strict=True)]
+        return slack_matrices(packed, np.array(sizes))
 
     def dual(self, packed: Array) -> Array:
         """svec of the dual matrices of the problem, from that of the core's."""
@@ -168,10 +177,10 @@ def reduction(data: ConeData, solver: ConeSolver) -> Reduction | None:
     """The faces of a problem whose columns are independent; None where nothing may grow, or no face is found."""
     faces: list[Face] = []
     current = data
-    while (found := _face(current, solver)) is not None:
+    while len(current.orders) and (found := _face(current, solver)) is not None:
         faces.append(found)
         current = found.core
-    return Reduction(tuple(faces)) if faces else None
+    return Reduction(tuple(faces)) if faces and len(current.orders) else None
 
 
 def _face(data: ConeData, solver: ConeSolver) -> Face | None:
