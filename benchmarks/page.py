@@ -79,6 +79,7 @@ def plot_certify(proofs: list[dict[str, Any]], path: Path) -> Path:
 
 
 def _saved(figure: Any, axes: Any, path: Path) -> Path:
+    axes.set_axisbelow(True)
     axes.grid(True, which="major", color="0.9")
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False)
