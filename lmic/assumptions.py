@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from lmic.bind import Binding
-from lmic.domains import Domain
+from lmic.domains import vertex_points
 from lmic.errors import Place, PlantError
 from lmic.language.systems import Schur
 from lmic.recover import Design
@@ -38,11 +35,3 @@ def check_assumptions(binding: Binding) -> None:
                 "stabilise the plant or shrink the domain",
                 Place(binding.theorem.name),
             )
-
-
-def vertex_points(domains: Mapping[str, Domain]) -> dict[str, Any]:
-    """All combinations of the domains' vertices, for each parameter an array of its values."""
-    if not domains:
-        return {}
-    combined = np.indices([len(domain.vertices) for domain in domains.values()]).reshape(len(domains), -1)
-    return {name: domain.vertices[index] for (name, domain), index in zip(domains.items(), combined, strict=True)}

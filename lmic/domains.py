@@ -268,3 +268,11 @@ def _interval(bounds: Bounds, component: str, what: str) -> tuple[float, float]:
             f"the bound on the {what} of {component} is empty: [{low:g}, {high:g}]; give its lower end first"
         )
     return low, high
+
+
+def vertex_points(domains: Mapping[str, Domain]) -> dict[str, Array]:
+    """All combinations of the domains' vertices: for each parameter its values, shape (combinations, components)."""
+    if not domains:
+        return {}
+    combined = np.indices([len(domain.vertices) for domain in domains.values()]).reshape(len(domains), -1)
+    return {name: domain.vertices[index] for (name, domain), index in zip(domains.items(), combined, strict=True)}

@@ -9,8 +9,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic.assumptions import vertex_points
 from lmic.certify.document import decimal, decimal_above, decimal_below
+from lmic.domains import vertex_points
 
 if TYPE_CHECKING:
     from lmic.certify.certificate import Certificate

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from lmic.assemble import ConicProblem
-from lmic.assumptions import vertex_points
 from lmic.certify.certificate import Certificate, with_advice
 from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
+from lmic.domains import vertex_points
 from lmic.index import group, plants
 from lmic.language.theorem import Theorem
 from lmic.norms import TOLERANCE

@@ -14,8 +14,8 @@ import scipy.io
 from click.testing import CliRunner
 
 from lmic import latex, latex_results, library, mathml
-from lmic.assumptions import vertex_points
 from lmic.cli import main
+from lmic.domains import vertex_points
 from lmic.errors import FormatError, RecoveryError
 from lmic.interchange.design import write_design
 from lmic.norms import h_infinity

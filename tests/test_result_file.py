@@ -14,10 +14,10 @@ from click.testing import CliRunner
 
 import lmic
 from lmic import library
-from lmic.assumptions import vertex_points
 from lmic.certify.certificate_file import text
 from lmic.certify.certify import certify
 from lmic.cli import main
+from lmic.domains import vertex_points
 from lmic.dsl import PD, Data, I, Source, Symmetric, Theorem, dims
 from lmic.errors import FormatError, LmicError, ResultError
 from lmic.fingerprint import digest

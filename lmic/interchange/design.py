@@ -16,7 +16,7 @@ import numpy as np
 import scipy.io
 
 from lmic import latex_results
-from lmic.assumptions import vertex_points
+from lmic.domains import vertex_points
 from lmic.errors import FormatError, Place, RecoveryError
 from lmic.files import write_whole
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from lmic.assumptions import vertex_points
 from lmic.certify.certificate import Certificate, Standing
 from lmic.certify.certify import certify
 from lmic.certify.document import float_above, float_below
 from lmic.certify.refine import certify_domain
+from lmic.domains import vertex_points
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
 from lmic.norms import frozen_gain, frozen_peak
