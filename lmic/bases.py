@@ -20,6 +20,14 @@ Choice: TypeAlias = int | str | Sequence[str | sp.Expr]
 DEFAULT: Choice = 1
 
 
+def read_choice(text: str) -> Choice:
+    """A choice as the command line writes it: ``2``, ``constant`` or ``1; rho1; sin(rho1)``."""
+    text = text.strip()
+    if text.isdecimal():
+        return int(text)
+    return text if text == "constant" else [part.strip() for part in text.split(";")]
+
+
 def basis_functions(unknown: str, choice: Choice, domains: Mapping[str, Domain]) -> tuple[sp.Expr, ...]:
     """Basis functions of an unknown that may depend on the given parameters.
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
+#: digits of a degree or a dimension, far more than any problem that can be solved has
+MAX_DIGITS = 9
+
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 
 
@@ -163,37 +166,18 @@ def degrees(texts: Sequence[str]) -> dict[str, int] | int:
 
 def dependences(texts: Sequence[str]) -> dict[str, Any]:
     """``["P1=2", "H=constant", "P=1; rho1; rho1**2"]``."""
-    found: dict[str, Any] = {}
-    for name, value in _pairs(texts, "--dependence").items():
-        if value.isdecimal():
-            found[name] = int(value)
-        else:
-            found[name] = value if value == "constant" else [part.strip() for part in value.split(";")]
-    return found
+    from lmic.bases import read_choice
+
+    return {name: read_choice(value) for name, value in _pairs(texts, "--dependence").items()}
 
 
 def _grid(name: str, text: str) -> Grid:
     from lmic.relax.grid import Grid
 
-    if "(" in text or ")" in text:
-        return Grid.at([_point(part.strip(), f"--grid {name}") for part in text.split(";")])
-    kind, _, count = text.rpartition(":")
-    return Grid(_count(count, "--grid"), kind or "uniform")
-
-
-def _point(text: str, option: str) -> list[float]:
-    """``"(1/3, 0)"`` as its coordinates."""
-    if not (text.startswith("(") and text.endswith(")")):
-        raise LmicError(f"'{text}' after {option} is no point; write points as '(1, 0); (0, 1)'")
-    found = []
-    for coordinate in text[1:-1].split(","):
-        try:
-            found.append(float(numbers([f"coordinate={coordinate}"], option)["coordinate"]))
-        except LmicError as error:
-            raise LmicError(
-                f"'{coordinate.strip()}' in {text} after {option} is no finite number; write one such as 0.5 or 1/3"
-            ) from error
-    return found
+    try:
+        return Grid.of(text)
+    except LmicError as error:
+        raise LmicError(f"--grid {name}={text}: {error}") from error
 
 
 def _gain(text: str) -> Gain:
@@ -217,6 +201,8 @@ def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:
 
 
 def _count(text: str, option: str) -> int:
-    if not text.strip().isdecimal():
-        raise LmicError(f"'{text}' after {option} is not a whole number from 0; write a number such as 2")
+    from lmic.plants.expressions import quoted
+
+    if not text.strip().isdecimal() or len(text.strip()) > MAX_DIGITS:
+        raise LmicError(f"{quoted(text)} after {option} is not a whole number from 0 on; write a number such as 2")
     return int(text)

@@ -112,7 +112,7 @@ def _statement(theorem: Theorem) -> str:
 
 
 def _grids(relaxation: Relaxation) -> dict[str, Grid]:
-    return {name: g if isinstance(g, Grid) else Grid(g) for name, g in relaxation.grid.items()}
+    return {name: Grid.of(g) for name, g in relaxation.grid.items()}
 
 
 def _plain(data: Any) -> Any:

@@ -399,6 +399,8 @@ COMMANDS: dict[str, tuple[tuple[str, ...], list[str]]] = {
     "polya of nothing": (("solve", *OWN, "--polya", "beta=1"), ["beta", "alpha"]),
     "grid without name": (("solve", *OWN, "--grid", "5"), ["--grid 5", "NAME="]),
     "grid no number": (("solve", *OWN, "--grid", "alpha=x"), ["--grid", "'x'"]),
+    "grid of thousands of digits": (("solve", *OWN, "--grid", f"alpha={'9' * 5000}"), ["--grid alpha", "999..."]),
+    "polya of thousands of digits": (("solve", *OWN, "--polya", "9" * 5000), ["--polya", "whole number"]),
     "grid of no kind": (("solve", *OWN, "--grid", "alpha=hexagonal:3"), ["hexagonal"]),
     "grid of no point": (("solve", *OWN, "--grid", "alpha=0"), ["grid", "alpha"]),
     "size no number": (("show", *OWN, "--size", "nx=two"), ["--size nx", "two"]),

@@ -66,12 +66,12 @@ def test_points_are_read_as_they_are_written() -> None:
 @pytest.mark.parametrize(
     ("grid", "message"),
     [
-        ("r=(1,0", "'(1,0' after --grid r is no point; write points as '(1, 0); (0, 1)'"),
-        ("r=(1,0);", "'' after --grid r is no point"),
-        ("r=(1,0) (0,1)", "'0) (0' in (1,0) (0,1) after --grid r is no finite number"),
-        ("r=(1,x)", "'x' in (1,x) after --grid r is no finite number"),
-        ("r=(1,)", "'' in (1,) after --grid r is no finite number"),
-        ("r=(1,1e999)", "'1e999' in (1,1e999) after --grid r is no finite number"),
+        ("r=(1,0", "--grid r=(1,0: '(1,0' is no point; write points as '(1, 0); (0, 1)'"),
+        ("r=(1,0);", "--grid r=(1,0);: '' is no point"),
+        ("r=(1,0) (0,1)", "--grid r=(1,0) (0,1): '0) (0' in (1,0) (0,1) is no finite number"),
+        ("r=(1,x)", "'x' in (1,x) is no finite number; write one such as 0.5 or 1/3"),
+        ("r=(1,)", "'' in (1,) is no finite number"),
+        ("r=(1,1e999)", "'1e999' in (1,1e999) is no finite number"),
         ("r=(1)", "the grid points of r[a] need 2 coordinates each; give (r1@a, r2@a)"),
         ("r=(1,0,0)", "the grid points of r[a] need 2 coordinates each; give (r1@a, r2@a)"),
         ("r=(1,0);(1)", "the grid points for r are not rows of finite numbers of one length"),

@@ -93,6 +93,7 @@ def records(path: Path) -> list[dict[str, Any]]:
         ("polya:alpha+", [0, 1], ("0", "1"), "polya alpha+"),
         ("dependence:P", "constant,1,1; rho1; rho1**2", ("constant", "1", "1; rho1; rho1**2"), "dependence P"),
         ("grid:rho", "5,chebyshev:9", ("5", "chebyshev:9"), "grid rho"),
+        ("grid:r", "5, (1/4, 0); (0,-1),(1,1)", ("5", "0.25 0; 0 -1", "1 1"), "grid r"),
         ("grid:h", [Grid.at([[0.1], [0.2]]), Grid(4, "random", seed=3)], ("0.1; 0.2", "random:4 seed 3"), "grid h"),
         ("c", np.array([0.1, 2.0]), ("0.1", "2"), "c"),
     ],

@@ -157,7 +157,7 @@ def _grids(chosen: Chosen) -> Iterator[tuple[str, Chosen]]:
     """Half and twice the points of each grid, ends kept, and coefficients in its place, which leave nothing out."""
     relaxation = chosen.relaxation
     for name, points in relaxation.grid.items():
-        grid = points if isinstance(points, Grid) else Grid(points)
+        grid = Grid.of(points)
         if grid.kind == "points":
             continue
         kind = "" if grid.kind == "uniform" else f"{grid.kind}:"

@@ -11,13 +11,18 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic.errors import RelaxationError
+from lmic.errors import LmicError, RelaxationError
+from lmic.plants.expressions import quoted
+from lmic.plants.plant import exact_number
 from lmic.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.polya import homogeneous_exponents
 from lmic.relax.space import Axis
 
 Array: TypeAlias = NDArray[Any]
+
+#: digits of a count, far more than any grid that fits into the memory has
+MAX_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,41 @@ class Grid:
     def at(cls, points: Sequence[Sequence[float]]) -> Grid:
         """A grid of given points, one row each."""
         return cls(kind="points", points=tuple(tuple(map(float, np.atleast_1d(p))) for p in points))
+
+    @classmethod
+    def of(cls, choice: Grid | int | str) -> Grid:
+        """A grid as it may be asked for: itself, a count, or a text.
+
+        Texts are ``5``, ``chebyshev:9``, ``random:100``, or points, ``(1, 0); (1/3, 0.5)``. Raises RelaxationError for
+        any other.
+        """
+        if isinstance(choice, Grid):
+            return choice
+        if isinstance(choice, int):
+            return cls(choice)
+        if "(" in choice or ")" in choice:
+            return cls.at([_point(part.strip()) for part in choice.split(";")])
+        kind, _, count = (part.strip() for part in choice.rpartition(":"))
+        if not count.isdecimal() or len(count) > MAX_DIGITS:
+            raise RelaxationError(
+                f"{quoted(choice)} is no grid; write 5, chebyshev:9, random:100, or points as '(1, 0); (0, 1)'"
+            )
+        return cls(int(count), kind or "uniform")
+
+
+def _point(text: str) -> list[float]:
+    """``(1/3, 0)`` as its coordinates."""
+    if not (text.startswith("(") and text.endswith(")")):
+        raise RelaxationError(f"{quoted(text)} is no point; write points as '(1, 0); (0, 1)'")
+    found = []
+    for coordinate in text[1:-1].split(","):
+        try:
+            found.append(float(exact_number(coordinate.strip())))
+        except (LmicError, OverflowError) as error:
+            raise RelaxationError(
+                f"{quoted(coordinate.strip())} in {text} is no finite number; write one such as 0.5 or 1/3"
+            ) from error
+    return found
 
 
 def grid(axis: Axis, part: Monomials, choice: Grid) -> AxisRelaxation:

@@ -135,8 +135,7 @@ def _polya_degree(axis: Axis, choice: Relaxation) -> int:
 
 def chosen_grid(axis: Axis, choice: Relaxation) -> Grid:
     """The grid that is asked for on an axis."""
-    points = _option(choice.grid, axis, None)
-    return points if isinstance(points, Grid) else Grid(points)
+    return Grid.of(_option(choice.grid, axis, None))
 
 
 def _option(options: Mapping[str, Any], axis: Axis, default: Any) -> Any:
@@ -154,7 +153,7 @@ def _check_keys(choice: Relaxation, geometry: Space) -> None:
         if method not in METHODS:
             raise RelaxationError(f"'{method}' is no relaxation; use {', '.join(METHODS)}")
     for name, points in choice.grid.items():
-        check_grid(name, points if isinstance(points, Grid) else Grid(points))
+        check_grid(name, Grid.of(points))
     degrees = [choice.polya] if isinstance(choice.polya, int) else list(choice.polya.values())
     if any(not 0 <= degree <= MAX_DEGREE for degree in degrees):
         raise RelaxationError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,10 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from lmic.bases import Choice
+from lmic.bases import Choice, read_choice
 from lmic.errors import LmicError, SweepError
 from lmic.plants.plant import Plant, exact_number
 from lmic.relax.grid import Grid
+
+#: a comma between values: those of a point stand in parentheses
+_COMMA = re.compile(r",(?![^(]*\))")
 
 
 class Kind(StrEnum):
@@ -111,10 +115,10 @@ def _kind(key: str) -> tuple[Kind, str]:
 
 
 def _texts(kind: Kind, text: str) -> list[Any]:
-    """``1,10,50``, ``LOW:HIGH:COUNT`` or ``log:LOW:HIGH:COUNT``; only scalars have ranges."""
+    """``1,10,50``, ``5,(0, 1); (1, 0)``, ``LOW:HIGH:COUNT`` or ``log:LOW:HIGH:COUNT``; only scalars have ranges."""
     parts = text.split(":")
     if kind is not Kind.SCALAR or len(parts) == 1:
-        return [part.strip() for part in text.split(",") if part.strip()]
+        return [part.strip() for part in _COMMA.split(text) if part.strip()]
     logarithmic = parts[0].strip() == "log"
     if len(parts) - logarithmic != 3 or not parts[-1].strip().isdecimal():
         raise SweepError("a range is LOW:HIGH:COUNT or log:LOW:HIGH:COUNT; write one such as 0.1:6:60")
@@ -136,18 +140,7 @@ def _degree(value: Any) -> int:
 
 
 def _dependence(value: Any) -> Choice:
-    if isinstance(value, str) and value != "constant" and not value.strip().isdecimal():
-        return [part.strip() for part in value.split(";")]
-    return int(value) if isinstance(value, str) and value.strip().isdecimal() else value
-
-
-def _grid(value: Any) -> Grid:
-    if isinstance(value, Grid):
-        return value
-    kind, _, count = str(value).strip().rpartition(":")
-    if not count.isdecimal():
-        raise SweepError(f"'{value}' is no grid; write 5, chebyshev:9 or random:100")
-    return Grid(int(count), kind or "uniform")
+    return read_choice(value) if isinstance(value, str) else value
 
 
 def _label(kind: Kind, value: Any) -> str:
@@ -178,5 +171,5 @@ _READ: Mapping[Kind, Callable[[Any], Any]] = {
     Kind.PLANT: lambda plant: plant,
     Kind.DEPENDENCE: _dependence,
     Kind.POLYA: _degree,
-    Kind.GRID: _grid,
+    Kind.GRID: Grid.of,
 }
