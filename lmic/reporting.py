@@ -1,9 +1,8 @@
-"""What the command line prints of theorems, results and reproductions, as tables and as records."""
+"""What the command line prints of theorems and results, as tables and as records."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,14 +14,9 @@ from lmic.certify.verify import Verdict
 from lmic.domains import vertex_points
 from lmic.index import group, plants
 from lmic.language.theorem import Theorem
-from lmic.norms import TOLERANCE
-from lmic.papers.cases import CaseTable
-from lmic.papers.enclosures import Enclosure
-from lmic.papers.reproduce import Frozen, Outcome, achieved
 from lmic.pipeline import Result
 from lmic.relax.family import LMIFamily
 from lmic.search import Found
-from lmic.simulate.trajectory import Trajectory
 from lmic.solve.solution import Solution
 from lmic.terminal import console, table
 
@@ -335,81 +329,3 @@ def print_design(result: Result) -> None:
         for name, matrix in matrices.items():
             shown.add_row(name, np.array2string(matrix[min(k, len(matrix) - 1)], precision=6, suppress_small=True))
         console().print(shown)
-
-
-# Reproductions -----------------------------------------------------------------------------------------
-
-
-REPRODUCTION_COLUMNS = ("case", "paper", "lmic", "difference", "verdict", "proven", "frozen norm", "achieved (paper)")
-
-
-def achieved_gains(
-    cases: CaseTable, simulated: Sequence[Mapping[str, Trajectory]], outcomes: Mapping[str, Outcome]
-) -> dict[str, float]:
-    """What the simulations from rest show of each bounded norm, by case."""
-    return {
-        case: achieved(trajectory, outcomes[case].result)
-        for simulation, trajectories in zip(cases.simulations, simulated, strict=True)
-        if not simulation.boundary
-        for case, trajectory in trajectories.items()
-    }
-
-
-def print_reproduction(
-    cases: CaseTable, outcomes: Mapping[str, Outcome], gains: Mapping[str, float], figures: Sequence[Path]
-) -> None:
-    """A paper's tables beside ours."""
-    out = console()
-    by_table: dict[str, list[Outcome]] = {}
-    for outcome in outcomes.values():
-        by_table.setdefault(outcome.case.table, []).append(outcome)
-    for name, rows in by_table.items():
-        shown = table(*REPRODUCTION_COLUMNS, title=f"{cases.paper}, {name}")
-        for outcome in rows:
-            shown.add_row(*reproduction_row(outcome, gains.get(outcome.case.id)))
-        out.print(shown)
-        for outcome in rows:
-            for warning in outcome.result.solution.warnings:
-                out.print(f"[bold red]warning[/bold red] {outcome.case.id}: {warning}", soft_wrap=True)
-    if cases.notes:
-        out.print(cases.notes, style="italic", markup=False)
-    for path in figures:
-        out.print(f"figure: {path}", soft_wrap=True)
-
-
-def _difference(outcome: Outcome) -> str:
-    """Relative to the paper's value, where the two are comparable."""
-    case = outcome.case
-    if case.paper is None or case.stand_in or case.paper.is_infinite():
-        return ""
-    return f"{outcome.value / float(case.paper) - 1:+.2%}"
-
-
-def _frozen(frozen: Frozen | None) -> str:
-    if frozen is None:
-        return ""
-    if abs(frozen.norm - frozen.bound) <= 10 * TOLERANCE * frozen.bound:  # a bound for one point may be attained
-        return f"{frozen.norm:.4g} ≈ {frozen.bound:.4g}"
-    return f"{frozen.norm:.4g} {'≤' if frozen.norm <= frozen.bound else '>'} {frozen.bound:.4g}"
-
-
-def _proven(enclosure: Enclosure | None) -> str:
-    if enclosure is None:
-        return "numerical"
-    return f"{enclosure} ({'proven' if enclosure.upper is None else enclosure.standing})"
-
-
-def reproduction_row(outcome: Outcome, gain: float | None) -> list[str]:
-    """The cells of a case under :data:`REPRODUCTION_COLUMNS`; ``gain`` is what its simulation achieved."""
-    case = outcome.case
-    printed = f" ({case.paper_gain})" if case.paper_gain is not None else ""
-    return [
-        case.what,
-        "" if case.paper is None else "∞" if case.paper.is_infinite() else str(case.paper),
-        f"{outcome.value:.7g}",
-        _difference(outcome),
-        outcome.verdict.value,
-        _proven(outcome.enclosure),
-        _frozen(outcome.frozen),
-        "" if gain is None else f"{gain:.4g}{printed}",
-    ]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import platform
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -15,40 +14,10 @@ from lmic import library
 from lmic.files import write_whole
 from lmic.pages.site import render
 from lmic.pages.statement import statement
-from lmic.papers.cases import CaseTable
-from lmic.papers.reproduce import Outcome
-from lmic.reporting import REPRODUCTION_COLUMNS, reproduction_row
+from lmic.papers.reporting import COLUMNS, Reproduction
 
 #: packages whose version decides a number
 PACKAGES = ("lmic", "sympy", "numpy", "scipy", "clarabel", "python-flint", "control")
-
-
-@dataclass(frozen=True)
-class Reproduction:
-    """One paper: its cases' outcomes, what simulations achieved, and its figures."""
-
-    cases: CaseTable
-    outcomes: Mapping[str, Outcome]
-    gains: Mapping[str, float]
-    figures: Sequence[Path]
-
-    @property
-    def tables(self) -> dict[str, list[tuple[Outcome, list[str]]]]:
-        """Rows by table."""
-        found: dict[str, list[tuple[Outcome, list[str]]]] = {}
-        for outcome in self.outcomes.values():
-            row = reproduction_row(outcome, self.gains.get(outcome.case.id))
-            found.setdefault(outcome.case.table, []).append((outcome, row))
-        return found
-
-    @property
-    def warnings(self) -> list[tuple[str, str]]:
-        """Case and warning."""
-        return [
-            (outcome.case.what, warning)
-            for outcome in self.outcomes.values()
-            for warning in outcome.result.solution.warnings
-        ]
 
 
 def write_report(papers: Sequence[Reproduction], folder: Path, seconds: float) -> list[Path]:
@@ -57,7 +26,7 @@ def write_report(papers: Sequence[Reproduction], folder: Path, seconds: float) -
     content = {
         "title": "lmic: the papers' numbers beside ours",
         "papers": papers,
-        "columns": REPRODUCTION_COLUMNS,
+        "columns": COLUMNS,
         "statements": [statement(library.theorem(name)) for name in used],
         "machine": machine(),
         "seconds": seconds,

@@ -13,8 +13,8 @@ from lmic.echo import echo_json
 from lmic.options import JSON
 
 if TYPE_CHECKING:
-    from lmic.pages.report import Reproduction
     from lmic.papers.cases import CaseTable
+    from lmic.papers.reporting import Reproduction
     from lmic.papers.reproduce import Outcome
 
 
@@ -40,10 +40,10 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
     """Regenerate the papers' tables and figures (all, or by the beginning of their ids), and one report."""
     from time import perf_counter
 
-    from lmic import reporting
     from lmic.files import make_folder
-    from lmic.pages.report import Reproduction, write_report
+    from lmic.pages.report import write_report
     from lmic.papers.cases import select
+    from lmic.papers.reporting import Reproduction, print_reproduction
 
     tables = select(names)
     for folder in filter(None, (output, certify)):
@@ -59,7 +59,7 @@ def reproduce(names: tuple[str, ...], output: Path, certify: Path | None, fresh:
             papers.append(paper)
             trusted &= sound
             if not as_json:
-                reporting.print_reproduction(paper.cases, paper.outcomes, paper.gains, paper.figures)
+                print_reproduction(paper)
     except KeyboardInterrupt as stop:
         # the numbers of the paper at hand that are known; it has no figures yet
         reached = [*papers, *([Reproduction(tables[len(papers)], done, {}, [])] if done else [])]
@@ -87,10 +87,10 @@ def _reproduced(
     table: CaseTable, outcomes: dict[str, Outcome], output: Path, certify: Path | None, fresh: bool, quiet: bool
 ) -> tuple[Reproduction, bool]:
     """Everything of one paper, and whether its numbers are to be trusted; ``outcomes`` fill up as they come."""
-    from lmic import reporting, terminal
+    from lmic import terminal
     from lmic.certify.certificate_file import write_certificate
-    from lmic.pages.report import Reproduction
     from lmic.papers.figures import draw, draw_curve, draw_responses
+    from lmic.papers.reporting import Reproduction, achieved_gains
     from lmic.papers.reproduce import Verdict, run_curve, run_simulation
     from lmic.papers.reproduce import reproduce as run_table
 
@@ -112,7 +112,7 @@ def _reproduced(
     ]
     figures += draw_responses(table, outcomes, output)
     figures += [path for curve, found in swept.values() for path in draw_curve(curve, found, output)]
-    gains = reporting.achieved_gains(table, simulated, outcomes)
+    gains = achieved_gains(table, simulated, outcomes)
     trusted = all(outcome.verdict is not Verdict.UNTRUSTED for outcome in outcomes.values())
     trusted &= not any(one.failed or one.doubtful for _, found in swept.values() for one in found.values())
     return Reproduction(table, outcomes, gains, figures), trusted
