@@ -11,6 +11,7 @@ from lmic.assemble import ConicProblem
 from lmic.certify.certificate import Certificate, with_advice
 from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
+from lmic.commands.terminal import console, table
 from lmic.domains import vertex_points
 from lmic.index import group, plants
 from lmic.language.theorem import Theorem
@@ -18,7 +19,6 @@ from lmic.pipeline import Result
 from lmic.relax.family import LMIFamily
 from lmic.search import Found
 from lmic.solve.solution import Solution
-from lmic.terminal import console, table
 
 #: digits of a proven end on the screen, rounded outwards
 SHOWN = 12

@@ -17,9 +17,9 @@ from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement
 from lmic.certify.verify import verify
 from lmic.cli import main
+from lmic.commands.options import Choices
 from lmic.domains import BoxDomain, Domain, SimplexDomain, joint_step, rate_polytope
 from lmic.errors import RelaxationError
-from lmic.options import Choices
 from lmic.pipeline import compile
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid

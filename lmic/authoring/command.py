@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from lmic.echo import echo_json
-from lmic.options import JSON
+from lmic.commands.echo import echo_json
+from lmic.commands.options import JSON
 
 
 @click.command()
@@ -50,8 +50,8 @@ def check(name: str, plant: Path | None, sizes: tuple[str, ...], as_json: bool) 
     from lmic.authoring import display
     from lmic.authoring.checkup import check as examine
     from lmic.authoring.plants import check_plant
+    from lmic.commands.options import Choices
     from lmic.library import locate
-    from lmic.options import Choices
 
     located = locate(name)
     dimensions = Choices(sizes=sizes).dimensions()

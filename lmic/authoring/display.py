@@ -9,9 +9,9 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from lmic import terminal
 from lmic.authoring.checkup import CheckedLMI, Checkup, Finding
 from lmic.authoring.execution import Unwritten
+from lmic.commands import terminal
 from lmic.language.star import Star
 
 #: how a star and a block whose expression failed are shown

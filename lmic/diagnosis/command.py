@@ -7,17 +7,15 @@ from typing import Any
 
 import click
 
-from lmic.echo import echo_json
-from lmic.options import JSON, Choices, compiling, dependences, numbers
+from lmic.commands.echo import echo_json
+from lmic.commands.options import JSON, PLANT, SOLVER, Choices, compiling, dependences, numbers
 
 
 @click.command()
 @click.argument("name")
-@click.option("--plant", type=click.Path(path_type=Path), required=True, help="Plant file: .toml, .json, .mat or .npz.")
+@PLANT
 @compiling
-@click.option(
-    "--solver", "solver_names", multiple=True, metavar="NAME", help="As for solve: given again, the next takes over."
-)
+@SOLVER
 @click.option(
     "--patience",
     type=click.FloatRange(min=0),
@@ -34,7 +32,8 @@ def diagnose(
 
     Neighbouring bases, relaxations and grids are solved too, and compared.
     """
-    from lmic import library, terminal
+    from lmic import library
+    from lmic.commands import terminal
     from lmic.diagnosis.diagnose import diagnose as run
     from lmic.diagnosis.reporting import diagnosis_record, print_diagnosis
     from lmic.plants.files import read_plant

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from lmic.commands.terminal import console, table
 from lmic.diagnosis.diagnose import Diagnosis
 from lmic.diagnosis.neighbours import Trial
 from lmic.diagnosis.ranges import Range
 from lmic.diagnosis.shares import Shares
 from lmic.reporting import print_families, solution_record
-from lmic.terminal import console, table
 
 #: rows of a table, and the share from which an LMI is one
 ROWS, SHOWN = 8, 1e-3

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+from lmic.commands.terminal import console
 from lmic.interchange.sdp import SDP
 from lmic.reporting import print_solution, solution_record
 from lmic.solve.solution import Solution
-from lmic.terminal import console
 
 
 def file_record(name: str, sdp: SDP, solution: Solution, seconds: float) -> dict[str, Any]:

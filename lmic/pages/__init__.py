@@ -1,1 +1,1 @@
-"""Pages: the gallery of theorems and the report of a reproduction, made from the theorems and results themselves."""
+"""Pages, made from theorems and results themselves: the gallery, a paper's report, a result, a notebook's display."""

@@ -1,4 +1,4 @@
-"""``lmic report``."""
+"""``lmic report`` and ``lmic gallery``."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from pathlib import Path
 
 import click
 
-from lmic.echo import echo_json
+from lmic.commands.echo import echo_json
+from lmic.commands.options import JSON
 from lmic.errors import FormatError
-from lmic.options import JSON
+from lmic.interrupts import keeping
 
 
 @click.command()
@@ -37,3 +38,31 @@ def report(result: Path, output: Path | None, theorem: str | None, as_json: bool
         echo_json({"file": str(page), "theorem": found.theorem.name, "reports": dict(found.reports)})
     else:
         click.echo(str(page))
+
+
+@click.command()
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), default=Path("site"), show_default=True, help="Folder to write."
+)
+def gallery(output: Path) -> None:
+    """Write a page for every theorem of the library, and an index."""
+    from lmic import library
+    from lmic.commands import terminal
+    from lmic.files import make_folder
+    from lmic.pages.gallery import write_gallery
+
+    make_folder(output)
+    done: list[str] = []
+    names = library.names()
+
+    def kept() -> str:
+        return f"{len(done)} of {len(names)} pages are in {output}, and the same command writes them all"
+
+    with keeping(kept), terminal.progress(len(names), "gallery") as advance:
+
+        def written(name: str) -> None:
+            done.append(name)
+            advance(name)
+
+        index = write_gallery(output, written)
+    click.echo(str(index))

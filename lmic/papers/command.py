@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lmic.echo import echo_json
-from lmic.options import JSON
+from lmic.commands.echo import echo_json
+from lmic.commands.options import JSON
 
 if TYPE_CHECKING:
     from lmic.papers.cases import CaseTable
@@ -87,8 +87,8 @@ def _reproduced(
     table: CaseTable, outcomes: dict[str, Outcome], output: Path, certify: Path | None, fresh: bool, quiet: bool
 ) -> tuple[Reproduction, bool]:
     """Everything of one paper, and whether its numbers are to be trusted; ``outcomes`` fill up as they come."""
-    from lmic import terminal
     from lmic.certify.certificate_file import write_certificate
+    from lmic.commands import terminal
     from lmic.papers.figures import draw, draw_curve, draw_responses
     from lmic.papers.reporting import Reproduction, achieved_gains
     from lmic.papers.reproduce import Verdict, run_curve, run_simulation

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lmic.commands.terminal import console, table
 from lmic.norms import TOLERANCE
 from lmic.papers.cases import CaseTable
 from lmic.papers.enclosures import Enclosure
 from lmic.papers.reproduce import Frozen, Outcome, achieved
 from lmic.simulate.trajectory import Trajectory
-from lmic.terminal import console, table
 
 #: what stands in a row of the tables
 COLUMNS = ("case", "paper", "lmic", "difference", "verdict", "proven", "frozen norm", "achieved (paper)")

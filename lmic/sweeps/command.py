@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lmic.commands.options import JSON, Choices, compiling, dependences, interval, numbers
 from lmic.errors import SweepError
 from lmic.interrupts import keeping
-from lmic.options import JSON, Choices, compiling, dependences, interval, numbers
 
 if TYPE_CHECKING:
     from lmic.sweeps.swept import Swept
@@ -68,7 +68,8 @@ def sweep(
     **choices: Any,
 ) -> None:
     """Solve a theorem at every combination of scalars, plants, bases and relaxations."""
-    from lmic import library, terminal
+    from lmic import library
+    from lmic.commands import terminal
     from lmic.plants.files import read_plant
     from lmic.sweeps.plot import check_picture, plot
     from lmic.sweeps.sweep import sweep as run
@@ -148,7 +149,7 @@ def _record(swept: Swept, output: Path) -> dict[str, Any]:
 
 def _print(swept: Swept, output: Path, report: str | None, least_over: str | None, written: Sequence[Path]) -> None:
     """The table where it is short, else what there is to say in few words."""
-    from lmic import terminal
+    from lmic.commands import terminal
 
     out = terminal.console()
     rows = _least_rows(swept, report, least_over) if least_over else _rows(swept)

@@ -1,4 +1,4 @@
-"""The options that compiling takes on the command line, and how their texts are read."""
+"""The options that several commands take, those of compiling among them, and how their texts are read."""
 
 from __future__ import annotations
 
@@ -26,6 +26,17 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 MAX_DIGITS = 9
 
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
+
+_PLANT = "Plant file (.toml, .json, .mat, .npz) or a plant of the library, as peixoto2025.example1."
+PLANT = click.option("--plant", type=click.Path(path_type=Path), required=True, help=_PLANT)
+PLANT_OF_THEOREM = click.option("--plant", type=click.Path(path_type=Path), help=f"{_PLANT} Needed for a theorem.")
+SOLVER = click.option(
+    "--solver",
+    "solver_names",
+    multiple=True,
+    metavar="NAME",
+    help="clarabel, scs, cvxopt, sdpa, mosek or copt; given again, the next takes over where one fails.",
+)
 
 
 def _several(flag: str, name: str, metavar: str, text: str) -> Callable[[Any], Any]:

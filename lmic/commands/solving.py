@@ -13,12 +13,12 @@ from lmic.certify.certificate_file import write_certificate
 from lmic.certify.certify import certify as prove
 from lmic.certify.certify import without_unproven_claim
 from lmic.certify.refine import certify_domain
-from lmic.echo import echo_json
+from lmic.commands.echo import echo_json
+from lmic.commands.options import Choices, interval, numbers
+from lmic.commands.output import check_output, write_output
 from lmic.errors import LmicError
 from lmic.interchange.formats import read_problem
 from lmic.interchange.reporting import file_record, print_file
-from lmic.options import Choices, interval, numbers
-from lmic.output import check_output, write_output
 from lmic.pipeline import run
 from lmic.search import search_scalar
 from lmic.solve.cone import ConeSolver, Status
