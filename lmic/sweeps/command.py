@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lmic.commands.echo import echo_json
 from lmic.commands.options import JSON, Choices, compiling, dependences, interval, numbers
 from lmic.errors import SweepError
 from lmic.interrupts import keeping
@@ -114,9 +115,7 @@ def sweep(
     if picture:
         plot(swept, picture, report, least_over)
     if as_json:
-        import json
-
-        click.echo(json.dumps(_record(swept, output), indent=2, ensure_ascii=False))
+        echo_json(_record(swept, output))
     else:
         _print(swept, output, report, least_over, [path for path in (table, picture) if path])
     if swept.doubtful or swept.failed:
