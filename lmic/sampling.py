@@ -15,8 +15,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from lmic.analysis.norms import h_infinity
 from lmic.errors import PlantError, RelaxationError
-from lmic.norms import h_infinity
 from lmic.plants.plant import Plant
 from lmic.relax.grid import Grid
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import lmic
+from lmic.analysis.norms import frozen_gain
 from lmic.library import root
-from lmic.norms import frozen_gain
 from lmic.papers.cases import Case, case_tables
 from lmic.papers.reproduce import Verdict, reproduce, run_simulation, verdict
 from lmic.papers.signals import signal

@@ -10,8 +10,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 import lmic
+from lmic.analysis.norms import frozen_gain
 from lmic.cli import main
-from lmic.norms import frozen_gain
 
 
 def run(*words: str) -> Result:

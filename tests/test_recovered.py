@@ -14,11 +14,11 @@ import scipy.io
 from click.testing import CliRunner
 
 from lmic import latex, latex_results, library, mathml
+from lmic.analysis.norms import h_infinity
 from lmic.cli import main
 from lmic.domains import vertex_points
 from lmic.errors import FormatError, RecoveryError
 from lmic.interchange.design import write_design
-from lmic.norms import h_infinity
 from lmic.pipeline import Result, compile, run
 from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant

@@ -14,9 +14,11 @@ from IPython.core.formatters import DisplayFormatter
 
 import lmic
 from lmic import library
+from lmic.analysis.margins import eigenvalues, imposed, margins, over
+from lmic.analysis.spectra import spectra
+from lmic.analysis.walk import chart, walk
 from lmic.domains import BoxDomain, Motion, SimplexDomain
 from lmic.dsl import PD, Box, Data, He, I, Scalar, Source, Symmetric, Theorem, dims
-from lmic.margins import eigenvalues, imposed, margins, over
 from lmic.pages import plots
 from lmic.pages.result import report
 from lmic.pipeline import Result
@@ -25,8 +27,6 @@ from lmic.plants.plant import Plant
 from lmic.relax.relax import Relaxation
 from lmic.sampling import cover
 from lmic.simulate.typical import parameters_along, typical
-from lmic.spectra import spectra
-from lmic.walk import chart, walk
 
 ROOT = library.root()
 

@@ -12,8 +12,8 @@ import sympy as sp
 from scipy.integrate import quad_vec
 
 from lmic import library
+from lmic.analysis.norms import frozen_gain, h_infinity
 from lmic.errors import PlantError
-from lmic.norms import frozen_gain, h_infinity
 from lmic.papers.cases import select
 from lmic.papers.reproduce import Verdict, reproduce
 from lmic.pipeline import compile, run

@@ -12,8 +12,8 @@ import sympy as sp
 from scipy.linalg import solve_discrete_lyapunov
 
 import lmic
+from lmic.analysis.norms import diagonal_peak, frozen_gain, frozen_magnitude, frozen_peak, torus_norm
 from lmic.library import root
-from lmic.norms import diagonal_peak, frozen_gain, frozen_magnitude, frozen_peak, torus_norm
 from lmic.pipeline import Result
 from lmic.plants.plant import Plant
 from lmic.recover import recover

@@ -7,6 +7,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.analysis.norms import frozen_gain, frozen_peak
+from lmic.analysis.spectra import spectra
+from lmic.analysis.walk import Walk
 from lmic.language.systems import (
     ContinuousSystem,
     DelayedFornasiniMarchesini,
@@ -14,13 +17,10 @@ from lmic.language.systems import (
     FornasiniMarchesini,
     System,
 )
-from lmic.norms import frozen_gain, frozen_peak
 from lmic.pages import plots
 from lmic.pages.figures import Figure
 from lmic.pipeline import Result
 from lmic.simulate.typical import typical
-from lmic.spectra import spectra
-from lmic.walk import Walk
 
 Array: TypeAlias = NDArray[Any]
 

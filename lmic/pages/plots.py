@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lmic import svec
+from lmic.analysis.margins import Margin
+from lmic.analysis.spectra import Spectra
+from lmic.analysis.walk import Chart, Walk
 from lmic.assemble import ConicProblem
 from lmic.latex import notation
-from lmic.margins import Margin
 from lmic.pages.figures import BLUE, INK, RED, SOFT, Figure, drawn, symbol
 from lmic.relax.family import LMIFamily
 from lmic.simulate.trajectory import Trajectory
-from lmic.spectra import Spectra
-from lmic.walk import Chart, Walk
 
 Array: TypeAlias = NDArray[Any]
 

@@ -11,9 +11,10 @@ from typing import Any
 from markupsafe import Markup
 
 from lmic import latex, latex_results
+from lmic.analysis.margins import Margin, imposed, margins, over
+from lmic.analysis.walk import chart, walk
 from lmic.certify.certificate import Certificate
 from lmic.files import write_whole
-from lmic.margins import Margin, imposed, margins, over
 from lmic.pages import behaviour, plots
 from lmic.pages.figures import Figure
 from lmic.pages.report import machine
@@ -22,7 +23,6 @@ from lmic.pages.statement import mathml, statement
 from lmic.pipeline import Result
 from lmic.relax.family import Soundness
 from lmic.reporting import enclosure, family_record, infeasibility
-from lmic.walk import chart, walk
 
 #: matrices of a design that a page shows, and rows up to which it shows an unknown's
 SHOWN, ROWS = 24, 12

@@ -11,10 +11,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.analysis.norms import frozen_magnitude
 from lmic.errors import LibraryError
 from lmic.files import write_figure
 from lmic.language.systems import DelayedFornasiniMarchesini, FornasiniMarchesini
-from lmic.norms import frozen_magnitude
 from lmic.papers.cases import CaseTable, Curve, Panel, Response, Simulation
 from lmic.papers.reproduce import Outcome
 from lmic.simulate.trajectory import Trajectory

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lmic.analysis.norms import TOLERANCE
 from lmic.commands.terminal import console, table
-from lmic.norms import TOLERANCE
 from lmic.papers.cases import CaseTable
 from lmic.papers.enclosures import Enclosure
 from lmic.papers.reproduce import Frozen, Outcome, achieved

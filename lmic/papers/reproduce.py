@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from lmic.analysis.norms import frozen_gain, frozen_peak
 from lmic.certify.certificate import Certificate, Standing
 from lmic.certify.certify import certify
 from lmic.certify.document import float_above, float_below
@@ -17,7 +18,6 @@ from lmic.certify.refine import certify_domain
 from lmic.domains import vertex_points
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
-from lmic.norms import frozen_gain, frozen_peak
 from lmic.papers.cases import Case, CaseTable, Curve, Simulation
 from lmic.papers.enclosures import Enclosure, proven, stored
 from lmic.papers.signals import signal, trajectory_of

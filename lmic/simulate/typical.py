@@ -7,13 +7,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.analysis.walk import Walk, walk
 from lmic.language.parameters import NEXT
 from lmic.language.systems import DiscreteSystem, FornasiniMarchesini
 from lmic.pipeline import Result
 from lmic.simulate.discrete import simulate_discrete
 from lmic.simulate.plane import simulate_plane
 from lmic.simulate.trajectory import Trajectory
-from lmic.walk import Walk, walk
 
 Array: TypeAlias = NDArray[Any]
 

@@ -9,10 +9,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.analysis.walk import Walk
 from lmic.errors import LmicError
 from lmic.language.systems import ContinuousSystem, DelaySystem, DiscreteSystem
 from lmic.recover import Design
-from lmic.walk import Walk
 
 Array: TypeAlias = NDArray[Any]
 

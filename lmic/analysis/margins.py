@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.analysis.walk import Chart, Walk
 from lmic.assemble import ConicProblem
 from lmic.language.parameters import instance_symbol
 from lmic.parametric import ParametricLMI
@@ -23,7 +24,6 @@ from lmic.relax.grid import grid_points
 from lmic.relax.relax import chosen_grid
 from lmic.relax.space import Axis, space
 from lmic.solve.passes import ROUNDING
-from lmic.walk import Chart, Walk
 
 Array: TypeAlias = NDArray[Any]
 Values: TypeAlias = Mapping[sp.Symbol, Array]
