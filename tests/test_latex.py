@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from lmic import latex, library
+from lmic import library
+from lmic.typeset import latex
 
 
 def test_prints_as_the_paper_does() -> None:

@@ -13,7 +13,7 @@ import pytest
 import scipy.io
 from click.testing import CliRunner
 
-from lmic import latex, latex_results, library, mathml
+from lmic import library
 from lmic.analysis.norms import h_infinity
 from lmic.cli import main
 from lmic.domains import vertex_points
@@ -23,6 +23,7 @@ from lmic.pipeline import Result, compile, run
 from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant
 from lmic.recover import recover
+from lmic.typeset import latex, mathml, numbers
 
 
 @pytest.fixture(scope="module")
@@ -80,29 +81,29 @@ def test_a_two_dimensional_filter_is_no_state_space() -> None:
 
 
 def test_numbers() -> None:
-    assert latex_results.number(-0.0) == "0"
-    assert latex_results.number(1.23456789) == "1.2346"
-    assert latex_results.number(-3.1e-7, 2) == r"-3.1 \times 10^{-7}"
-    assert latex_results.number(float("inf")) == r"\infty"
-    small = latex_results.matrix(np.array([[1.0, 1e-9], [0.25, -2.0]]), digits=4)
+    assert numbers.number(-0.0) == "0"
+    assert numbers.number(1.23456789) == "1.2346"
+    assert numbers.number(-3.1e-7, 2) == r"-3.1 \times 10^{-7}"
+    assert numbers.number(float("inf")) == r"\infty"
+    small = numbers.matrix(np.array([[1.0, 1e-9], [0.25, -2.0]]), digits=4)
     assert small == "\\left[\\begin{array}{rr}\n  1 & 0 \\\\\n  0.25 & -2\n\\end{array}\\right]"
 
 
 def test_the_design_holds_its_numbers(filtered: Result) -> None:
-    text = latex_results.design(filtered)
+    text = numbers.design(filtered)
     (value,) = filtered.design(alpha=[1, 0])["D_F"].ravel()
-    assert r"D_{F} \big|_{\alpha = (1, 0)} &= \left[\begin{array}{r}" + f"\n  {latex_results.number(value)}\n" in text
+    assert r"D_{F} \big|_{\alpha = (1, 0)} &= \left[\begin{array}{r}" + f"\n  {numbers.number(value)}\n" in text
     assert text.count(r"\big|") == 8
 
 
 def test_a_constant_gain_stands_once(fed_back: Result) -> None:
-    text = latex_results.design(fed_back)
+    text = numbers.design(fed_back)
     assert text.count("K &=") == 1
     assert r"\big|" not in text
 
 
 def test_a_table_says_what_is_known(filtered: Result) -> None:
-    text = latex_results.table({"Theorem 1 & more": filtered})
+    text = numbers.table({"Theorem 1 & more": filtered})
     assert r" & $\gamma$ & proven & soundness & status \\" in text
     assert f"Theorem 1 \\& more & ${filtered.reports['gamma']:.6g}$ & -- & numerical, sufficient & solved" in text
 
@@ -120,8 +121,8 @@ def test_pdflatex_compiles_statement_design_and_table(filtered: Result, tmp_path
     body = "\n\n".join(
         [
             latex.theorem(filtered.theorem),
-            latex_results.design(filtered),
-            latex_results.table({"100 % of a_b": filtered}),
+            numbers.design(filtered),
+            numbers.table({"100 % of a_b": filtered}),
             r"\eqref{eq:peixoto2025.theorem1:performance}",
         ]
     )
@@ -171,7 +172,7 @@ def test_design_as_arrays(filtered: Result, tmp_path: Path) -> None:
     write_design(filtered, tmp_path / "F.tex")
     text = (tmp_path / "F.tex").read_text(encoding="utf-8")
     assert "% soundness: sufficient" in text
-    assert latex_results.design(filtered) in text
+    assert numbers.design(filtered) in text
     with pytest.raises(FormatError, match=r"end the name in \.npz, \.mat, \.tex"):
         write_design(filtered, tmp_path / "F.docx")
 

@@ -62,10 +62,10 @@ def show(name: str, plant: Path | None, vertices: int, as_json: bool, **choices:
 @JSON
 def latex(name: str, document: bool, mathml: bool, output: Path | None, as_json: bool) -> None:
     """Print a theorem's block matrices as LaTeX (amsmath), numbered and labelled, or as MathML."""
-    from lmic import latex as writer
     from lmic import library
-    from lmic import mathml as mathml_writer
     from lmic.files import write_whole
+    from lmic.typeset import latex as writer
+    from lmic.typeset import mathml as mathml_writer
 
     theorem = library.theorem(name)
     if document and mathml:

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import scipy.io
 
-from lmic import latex_results
 from lmic.domains import vertex_points
 from lmic.errors import FormatError, Place, RecoveryError
 from lmic.files import write_whole
+from lmic.typeset import numbers
 
 if TYPE_CHECKING:
     from lmic.pipeline import Result
@@ -91,4 +91,4 @@ def _mat(arrays: Mapping[str, Any]) -> bytes:
 def _tex(result: Result) -> str:
     notes = [f"% {name}: {value}" for name, value in _words(result).items()]
     notes += [f"% {name} = {value:.9g} (numerical)" for name, value in result.reports.items()]
-    return "\n".join([*notes, latex_results.design(result)]) + "\n"
+    return "\n".join([*notes, numbers.design(result)]) + "\n"

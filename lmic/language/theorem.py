@@ -90,7 +90,7 @@ class Theorem:
 
     def _repr_latex_(self) -> str:
         """The block matrices, for notebooks."""
-        from lmic.latex import matrix
+        from lmic.typeset.latex import matrix
 
         return "$$" + r" \qquad ".join(matrix(lmi) for lmi in self.lmis.values()) + "$$"
 

@@ -13,10 +13,10 @@ from lmic.analysis.margins import Margin
 from lmic.analysis.spectra import Spectra
 from lmic.analysis.walk import Chart, Walk
 from lmic.assemble import ConicProblem
-from lmic.latex import notation
 from lmic.pages.figures import BLUE, INK, RED, SOFT, Figure, drawn, symbol
 from lmic.relax.family import LMIFamily
 from lmic.simulate.trajectory import Trajectory
+from lmic.typeset.latex import notation
 
 Array: TypeAlias = NDArray[Any]
 

@@ -10,7 +10,6 @@ from typing import Any
 
 from markupsafe import Markup
 
-from lmic import latex, latex_results
 from lmic.analysis.margins import Margin, imposed, margins, over
 from lmic.analysis.walk import chart, walk
 from lmic.certify.certificate import Certificate
@@ -23,6 +22,7 @@ from lmic.pages.statement import mathml, statement
 from lmic.pipeline import Result
 from lmic.relax.family import Soundness
 from lmic.reporting import enclosure, family_record, infeasibility
+from lmic.typeset import latex, numbers
 
 #: matrices of a design that a page shows, and rows up to which it shows an unknown's
 SHOWN, ROWS = 24, 12
@@ -144,7 +144,7 @@ def equations(result: Result) -> list[Markup]:
     """The recovered matrices at the vertices of the domain."""
     if not (result.theorem.recover and result.solution.status.usable):
         return []
-    return [mathml(f"{left} = {right}") for left, right in latex_results.equations(result)]
+    return [mathml(f"{left} = {right}") for left, right in numbers.equations(result)]
 
 
 def unknowns(result: Result) -> list[tuple[str, Markup]]:
@@ -156,9 +156,9 @@ def unknowns(result: Result) -> list[tuple[str, Markup]]:
         if max(unknown.coordinate.shape) > ROWS or len(unknown.functions) > ROWS:
             continue
         terms = [
-            ("" if function == 1 else sp.latex(function) + r"\,") + latex_results.matrix(matrix)
+            ("" if function == 1 else sp.latex(function) + r"\,") + numbers.matrix(matrix)
             if matrix.size > 1
-            else latex_results.number(float(matrix[0, 0]), 8) + ("" if function == 1 else r"\," + sp.latex(function))
+            else numbers.number(float(matrix[0, 0]), 8) + ("" if function == 1 else r"\," + sp.latex(function))
             for function, matrix in zip(unknown.functions, unknown.matrices(result.solution.x), strict=True)
         ]
         found.append((name, mathml(f"{written[name]} = {' + '.join(terms)}")))

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import sympy as sp
 from markupsafe import Markup
 
-from lmic import latex
-from lmic import mathml as writer
 from lmic.language.theorem import Theorem
 from lmic.papers.cases import Case, CaseTable
+from lmic.typeset import latex
+from lmic.typeset import mathml as writer
 
 
 @dataclass(frozen=True)

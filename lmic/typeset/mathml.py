@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from latex2mathml.converter import convert
 
-from lmic import latex
 from lmic.language.lmi import LMI
 from lmic.language.theorem import Theorem
+from lmic.typeset import latex
 
 
 def display(text: str) -> str:

@@ -1,0 +1,1 @@
+"""Formulas for papers and pages: LaTeX of statements and of numbers, and MathML."""
