@@ -11,7 +11,7 @@ import sympy as sp
 
 from lmic.domains import Domain
 from lmic.errors import BasisError
-from lmic.plants.expressions import parse
+from lmic.plants.expressions import parse, whole_number
 from lmic.polynomials import atom_values
 
 #: a polynomial degree, "constant", or the basis functions themselves
@@ -22,10 +22,9 @@ DEFAULT: Choice = 1
 
 def read_choice(text: str) -> Choice:
     """A choice as the command line writes it: ``2``, ``constant`` or ``1; rho1; sin(rho1)``."""
-    text = text.strip()
-    if text.isdecimal():
-        return int(text)
-    return text if text == "constant" else [part.strip() for part in text.split(";")]
+    if (degree := whole_number(text)) is not None:
+        return degree
+    return text.strip() if text.strip() == "constant" else [part.strip() for part in text.split(";")]
 
 
 def basis_functions(unknown: str, choice: Choice, domains: Mapping[str, Domain]) -> tuple[sp.Expr, ...]:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-#: digits of a degree or a dimension, far more than any problem that can be solved has
-MAX_DIGITS = 9
 
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 
@@ -212,8 +210,9 @@ def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:
 
 
 def _count(text: str, option: str) -> int:
-    from lmic.plants.expressions import quoted
+    from lmic.plants.expressions import quoted, whole_number
 
-    if not text.strip().isdecimal() or len(text.strip()) > MAX_DIGITS:
+    count = whole_number(text)
+    if count is None:
         raise LmicError(f"{quoted(text)} after {option} is not a whole number from 0 on; write a number such as 2")
-    return int(text)
+    return count

@@ -157,6 +157,11 @@ def quotient(text: str) -> Fraction | None:
     return Fraction(text.strip()) if _QUOTIENT.fullmatch(text.strip()) else None
 
 
+def whole_number(text: str) -> int | None:
+    """The value of a text such as ``"12"``, a count or a degree of at most nine digits; None for any other text."""
+    return int(text) if text.strip().isdecimal() and len(text.strip()) < 10 else None
+
+
 def decimal(text: str) -> Fraction:
     """The exact value of a literal: ``"-0.45"`` is -9/20, ``"1e-3"`` is 1/1000; else ExpressionError."""
     literal = _LITERAL.fullmatch(text) if len(text) <= MAX_DIGITS else None

@@ -12,7 +12,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from lmic.errors import LmicError, RelaxationError
-from lmic.plants.expressions import quoted
+from lmic.plants.expressions import quoted, whole_number
 from lmic.plants.plant import exact_number
 from lmic.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, Soundness
@@ -20,9 +20,6 @@ from lmic.relax.polya import homogeneous_exponents
 from lmic.relax.space import Axis
 
 Array: TypeAlias = NDArray[Any]
-
-#: digits of a count, far more than any grid that fits into the memory has
-MAX_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -61,12 +58,13 @@ class Grid:
             return cls(choice)
         if "(" in choice or ")" in choice:
             return cls.at([_point(part.strip()) for part in choice.split(";")])
-        kind, _, count = (part.strip() for part in choice.rpartition(":"))
-        if not count.isdecimal() or len(count) > MAX_DIGITS:
+        kind, _, written = choice.rpartition(":")
+        count = whole_number(written)
+        if count is None:
             raise RelaxationError(
                 f"{quoted(choice)} is no grid; write 5, chebyshev:9, random:100, or points as '(1, 0); (0, 1)'"
             )
-        return cls(int(count), kind or "uniform")
+        return cls(count, kind.strip() or "uniform")
 
 
 def _point(text: str) -> list[float]:

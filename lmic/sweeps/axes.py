@@ -13,6 +13,7 @@ import numpy as np
 
 from lmic.bases import Choice, read_choice
 from lmic.errors import LmicError, SweepError
+from lmic.plants.expressions import whole_number
 from lmic.plants.plant import Plant, exact_number
 from lmic.relax.grid import Grid
 
@@ -120,9 +121,9 @@ def _texts(kind: Kind, text: str) -> list[Any]:
     if kind is not Kind.SCALAR or len(parts) == 1:
         return [part.strip() for part in _COMMA.split(text) if part.strip()]
     logarithmic = parts[0].strip() == "log"
-    if len(parts) - logarithmic != 3 or not parts[-1].strip().isdecimal():
+    if len(parts) - logarithmic != 3 or (count := whole_number(parts[-1])) is None:
         raise SweepError("a range is LOW:HIGH:COUNT or log:LOW:HIGH:COUNT; write one such as 0.1:6:60")
-    low, high, count = exact_number(parts[-3].strip()), exact_number(parts[-2].strip()), int(parts[-1])
+    low, high = exact_number(parts[-3].strip()), exact_number(parts[-2].strip())
     if count < 2 or not low < high or (logarithmic and low <= 0):
         raise SweepError(
             "a range goes from a lower to a higher number, positive ones with log, in 2 points or more; correct it"
@@ -134,8 +135,8 @@ def _texts(kind: Kind, text: str) -> list[Any]:
 
 
 def _degree(value: Any) -> int:
-    if str(value).strip().isdecimal():
-        return int(value)
+    if (degree := whole_number(str(value))) is not None:
+        return degree
     raise SweepError(f"'{value}' is no Pólya degree; give a whole number from 0")
 
 
