@@ -1,4 +1,4 @@
-"""Writing files: completely, or not at all."""
+"""Files: written completely or not at all, and read up to a size."""
 
 from __future__ import annotations
 
@@ -10,6 +10,23 @@ from pathlib import Path
 from typing import Any
 
 from lmic.errors import LmicError
+
+
+def read_at_most(path: Path, most: int) -> bytes:
+    """The content of a file of ``most`` bytes or less, however large it is and whatever it says of its size.
+
+    Raises LmicError, whose sentence begins after the path, for what is no file, cannot be read or holds more.
+    """
+    try:
+        if path.exists() and not path.is_file():
+            raise LmicError("is not a file; give the path of one")
+        with path.open("rb") as stream:
+            content = stream.read(most + 1)
+    except (OSError, ValueError) as error:  # a name with a null character is a ValueError
+        raise LmicError(f"cannot be read ({reason(error)}); check the path and its permissions") from error
+    if len(content) > most:
+        raise LmicError(f"holds more than {most >> 20} MiB, more than lmic takes; give a smaller file")
+    return content
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

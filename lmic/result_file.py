@@ -23,7 +23,7 @@ from lmic.assemble import ConicProblem
 from lmic.certify import certificate_file, document
 from lmic.certify.certificate import Certificate
 from lmic.errors import LmicError, Place, ResultError
-from lmic.files import write_whole
+from lmic.files import read_at_most, write_whole
 from lmic.fingerprint import digest, promises, statement
 from lmic.language.theorem import Theorem
 from lmic.layout import UnknownLayout
@@ -135,12 +135,9 @@ def _plain(data: Any) -> Any:
 def _parsed(file: Path) -> dict[str, Any]:
     """The tables of a file that nobody changed."""
     try:
-        with file.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ResultError(f"{file} cannot be read ({error.strerror}); check the path") from error
-    if len(content) > MAX_BYTES:
-        raise ResultError(f"{file} holds more than {MAX_BYTES >> 20} MiB, which no result does")
+        content = read_at_most(file, MAX_BYTES)
+    except LmicError as error:
+        raise ResultError(f"{file} {error}") from error
     try:
         tables = json.loads(content.decode("utf-8"))
         stated = tables.pop("sha256", None) if isinstance(tables, dict) else None

@@ -251,7 +251,7 @@ def test_the_command_line_says_it_in_one_line(suffix: str, tmp_path: Path) -> No
 
 
 def test_no_file_and_no_format(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match="No such file"):
+    with pytest.raises(FormatError, match="no such file"):
         read_problem(tmp_path / "nothing.cbf")
     (tmp_path / "F.cbf").mkdir()
     with pytest.raises(FormatError, match="is not a file"):

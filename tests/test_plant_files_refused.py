@@ -230,7 +230,7 @@ def test_refuses_paths_that_are_no_plant_files(tmp_path: Path) -> None:
     refused(tmp_path / ("a" * 300), "'' is not the suffix")
     refused(Path("peixoto2025.exampel1"), "did you mean the library's peixoto2025.example1 or")
     refused(write(tmp_path / "plant.toml", b"").with_suffix(""), f"did you mean {tmp_path / 'plant.toml'}?")
-    refused(tmp_path / "none.toml", "No such file or directory")
+    refused(tmp_path / "none.toml", "no such file or directory")
     refused(tmp_path / ("a" * 300 + ".toml"), "cannot be read")
     refused(tmp_path / "a\0b.toml", "cannot be read")
     (tmp_path / "folder.toml").mkdir()

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lmic.assemble import ConicProblem
-from lmic.errors import FormatError
-from lmic.files import write_whole
+from lmic.errors import FormatError, LmicError
+from lmic.files import read_at_most, write_whole
 from lmic.interchange.cbf import read_cbf, write_cbf
 from lmic.interchange.matlab import read_mat, write_mat
 from lmic.interchange.npz import read_npz, write_npz
@@ -54,18 +54,11 @@ def read_problem(path: str | Path) -> SDP:
     file = Path(path)
     try:
         found = _format(file)
-        if file.exists() and not file.is_file():
-            raise FormatError("is not a file; give the path of one")
-        with file.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)
-        if len(content) > MAX_BYTES:
-            raise FormatError(f"holds more than {MAX_BYTES >> 20} MiB, more than lmic takes; split the problem")
-        return found.read(content)
-    except FormatError as error:
+        return found.read(read_at_most(file, MAX_BYTES))
+    except LmicError as error:
         raise FormatError(f"{file}: {error}") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise FormatError(f"{file} cannot be read ({reason}); check the path and its permissions") from error
+    except ValueError as error:
+        raise FormatError(f"{file} cannot be read ({error}); write it anew") from error
 
 
 def write_problem(problem: ConicProblem | SDP, path: str | Path) -> None:

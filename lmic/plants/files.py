@@ -75,7 +75,8 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
-from lmic.errors import DomainError, PlantError
+from lmic.errors import DomainError, LmicError, PlantError
+from lmic.files import read_at_most
 from lmic.functions import exponential
 from lmic.index import plants
 from lmic.plants.expressions import RESERVED, Budget, decimal, parse, quoted, quotient, size
@@ -144,15 +145,9 @@ def _readable(advice: str) -> Iterator[None]:
 
 def _content(file: Path) -> bytes:
     try:
-        if file.exists() and not file.is_file():
-            raise PlantError("is not a file; give the path of a plant file")
-        with file.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise PlantError(f"cannot be read ({reason}); check the path and its permissions") from error
-    _refuse_size(len(content))
-    return content
+        return read_at_most(file, MAX_BYTES)
+    except LmicError as error:
+        raise PlantError(str(error)) from error
 
 
 def _refuse_size(size: int) -> None:
