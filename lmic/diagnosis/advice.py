@@ -11,6 +11,7 @@ from lmic.diagnosis.shares import Shares
 from lmic.diagnosis.unseen import Direction
 from lmic.solve.cone import Status
 from lmic.solve.solution import Solution
+from lmic.solve.whole import NO_MARGIN
 
 #: relative difference from which one value is better than another
 BETTER = 1e-4
@@ -18,8 +19,6 @@ BETTER = 1e-4
 SMALLER = 0.8
 #: diverging unknowns that are named
 NAMED = 3
-#: a margin of this size, of data of size one, is nothing
-NO_MARGIN = 1e-8
 
 
 def advice(
