@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -66,13 +66,6 @@ class Plant:
             for key, array in arrays.items()
         }
         return cls(matrices, {parameter: domain}, name=name)
-
-    def with_scalars(self, **values: Any) -> Plant:
-        """The plant with other values of its scalars."""
-        unknown = sorted(set(values) - set(self.scalars))
-        if unknown:
-            raise PlantError(f"{self.name}: {unknown[0]} is not a scalar of this plant; it has {sorted(self.scalars)}")
-        return replace(self, scalars={**self.scalars, **{key: exact_number(value) for key, value in values.items()}})
 
 
 def vertex_polynomial(vertices: Any, domain: Domain) -> MatrixPolynomial:
