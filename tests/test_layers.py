@@ -1,0 +1,34 @@
+"""Who may import whom: the stages, up to the certificate, know nothing of what prints, draws or looks at results."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from documents import ROOT
+
+#: rooms and files that look at what the stages made
+OUTSIDE = {"analysis", "authoring", "cli", "commands", "diagnosis", "pages", "papers", "reporting", "sweeps", "typeset"}
+#: what the stages are made of, from the words of a theorem to the certificate
+STAGES = ("language", "plants", "relax", "solve", "certify")
+FILES = ("lower", "expand", "terms", "bind", "layout", "bases", "columns", "assemble", "recover", "pipeline")
+MODULES = [
+    *(path for room in STAGES for path in sorted((ROOT / "lmic" / room).glob("*.py"))),
+    *(ROOT / "lmic" / f"{name}.py" for name in FILES),
+]
+
+
+def imported(path: Path) -> Iterator[str]:
+    """What a module imports from lmic as it is loaded, by the first name behind ``lmic``."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.module == "lmic":
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("lmic."):
+            yield node.module.split(".")[1]
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_a_stage_imports_nothing_that_looks_at_it(path: Path) -> None:
+    assert not OUTSIDE & set(imported(path))
