@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from itertools import combinations_with_replacement
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -292,3 +293,12 @@ def row_polynomial(entries: Mapping[int, sp.Expr], width: int) -> MatrixPolynomi
     coefficients = np.zeros((len(monomials), width))
     np.add.at(coefficients, (inverse, place), [float(c) for terms in found for c in terms.coefficients])
     return MatrixPolynomial(monomials, coefficients[:, None, :])
+
+
+def homogeneous_exponents(variables: int, degree: int) -> Array:
+    """Exponents of all monomials of the given degree, shape (count, variables)."""
+    chosen = list(combinations_with_replacement(range(variables), degree))
+    exponents = np.zeros((len(chosen), variables), dtype=np.int64)
+    for row, choice in enumerate(chosen):
+        np.add.at(exponents[row], list(choice), 1)
+    return exponents

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -32,3 +34,11 @@ def imported(path: Path) -> Iterator[str]:
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_a_stage_imports_nothing_that_looks_at_it(path: Path) -> None:
     assert not OUTSIDE & set(imported(path))
+
+
+def test_verifying_a_certificate_loads_no_solver_and_nothing_that_compiles() -> None:
+    code = "import sys, lmic.certify.verify, lmic.certify.certificate_file; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    compiling = {f"lmic.{name}" for name in (*FILES, "relax", "solve", "parametric", "svec")}
+    assert not compiling & set(loaded)
+    assert not {"clarabel", "scs", "cvxpy", "sdpap"} & set(loaded)

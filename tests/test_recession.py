@@ -10,10 +10,11 @@ import scipy.sparse as sps
 from numpy.typing import NDArray
 
 from lmic import svec
+from lmic.integer_bases import integer_complement
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData
 from lmic.solve.on_face import solve_on_face
-from lmic.solve.recession import integer_complement, reduction
+from lmic.solve.recession import reduction
 from lmic.solve.scaling import slack_matrices
 
 Array = NDArray[Any]
@@ -152,7 +153,7 @@ def test_an_integer_complement_is_one(seed: int) -> None:
     generator = np.random.default_rng(seed)
     rows = np.triu(generator.integers(-1, 2, size=(7, 7)), 1)[:3] + np.eye(7)[:3]
     rotated = np.linalg.qr(rows.T)[0].T  # orthonormal, as eigenvectors are
-    base = integer_complement(rotated)
+    base = integer_complement(rotated, 8, 1e-9)
     assert base is not None
     assert base.shape == (7, 4)
     assert np.linalg.matrix_rank(base) == 4

@@ -20,9 +20,9 @@ from lmic.domains import BoxDomain, Motion
 from lmic.pipeline import finish, prepare
 from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant
+from lmic.polynomials import homogeneous_exponents
 from lmic.relax.family import AxisRelaxation
 from lmic.relax.grid import Grid, grid_points
-from lmic.relax.polya import homogeneous_exponents
 from lmic.relax.relax import Relaxation
 from lmic.relax.space import Axis, space
 

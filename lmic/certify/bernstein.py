@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from lmic.certify import taylor
 from lmic.certify.statement import to_flint
-from lmic.polynomials import MatrixPolynomial
-from lmic.relax.polya import homogeneous_exponents
+from lmic.polynomials import MatrixPolynomial, homogeneous_exponents
 
 Array: TypeAlias = NDArray[Any]
 Vertex: TypeAlias = tuple[flint.fmpq, ...]

@@ -24,7 +24,7 @@ from lmic.certify.balls import PRECISION, is_zero
 from lmic.certify.definite import inverse_factor
 from lmic.certify.finite import FiniteLMI, FiniteProblem
 from lmic.errors import CertificateError
-from lmic.solve.recession import free_rows, integer_complement
+from lmic.integer_bases import free_rows, integer_complement
 
 Array: TypeAlias = NDArray[Any]
 

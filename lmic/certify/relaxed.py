@@ -12,9 +12,9 @@ from lmic.assemble import ConicProblem
 from lmic.certify.domain import ProofDomain
 from lmic.certify.finite import Coefficient, Functional
 from lmic.domains import BoxDomain, Domain, SimplexDomain
+from lmic.polynomials import homogeneous_exponents
 from lmic.relax.family import AxisRelaxation, LMIFamily
 from lmic.relax.grid import Grid, grid_points
-from lmic.relax.polya import homogeneous_exponents
 from lmic.relax.relax import Relaxation, chosen_grid
 from lmic.relax.space import Axis, space
 

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from lmic.errors import LmicError, RelaxationError
 from lmic.plants.expressions import quoted, whole_number
 from lmic.plants.plant import exact_number
-from lmic.polynomials import Monomials
+from lmic.polynomials import Monomials, homogeneous_exponents
 from lmic.relax.family import AxisRelaxation, Soundness
-from lmic.relax.polya import homogeneous_exponents
 from lmic.relax.space import Axis
 
 Array: TypeAlias = NDArray[Any]

@@ -10,7 +10,6 @@ Littlewood, Pólya, *Inequalities*, 2.24). Degree 0 on two simplexes is Lemma 1 
 
 from __future__ import annotations
 
-from itertools import combinations_with_replacement
 from math import comb
 from typing import Any, TypeAlias
 
@@ -18,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lmic.errors import RelaxationError
-from lmic.polynomials import Monomials
+from lmic.polynomials import Monomials, homogeneous_exponents
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.space import Axis
 
@@ -64,15 +63,6 @@ def _form(corners: Array, powers: Array, target: int, targets: Array) -> Array:
                 following[raised] = following.get(raised, 0.0) + value * float(factor[v])
         form = following
     return np.array([form.get(tuple(row), 0.0) for row in targets.tolist()])
-
-
-def homogeneous_exponents(variables: int, degree: int) -> Array:
-    """Exponents of all monomials of the given degree, shape (count, variables)."""
-    chosen = list(combinations_with_replacement(range(variables), degree))
-    exponents = np.zeros((len(chosen), variables), dtype=np.int64)
-    for row, choice in enumerate(chosen):
-        np.add.at(exponents[row], list(choice), 1)
-    return exponents
 
 
 def _label(axis: Axis, names: list[str], powers: Array) -> str:

@@ -11,9 +11,7 @@ step that evens out what lies between the face and its complement, and by a mult
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
-from math import lcm
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -22,6 +20,7 @@ import scipy.sparse as sps
 from numpy.typing import NDArray
 
 from lmic import svec
+from lmic.integer_bases import free_rows, integer_complement
 from lmic.solve.cone import ConeData, ConeSolver
 from lmic.solve.lineality import Lineality, lineality
 from lmic.solve.scaling import initial, slack_matrices
@@ -31,7 +30,8 @@ Array: TypeAlias = NDArray[Any]
 #: the traces of all G(d) sum up to 1: eigenvalues above the first are growth, between the two is no clear answer.
 #: Beside growth, what is zero to 1e-10 may show off its diagonal as the root of that
 GROWTH, NO_GROWTH = 1e-4, 1e-5
-#: denominators of the null space that are looked for, and how near its entries have to be to such fractions
+#: denominators of the null space that are looked for, and how near its entries have to be to such fractions: a
+#: direction is known to the root of the solver's tolerance
 DENOMINATOR, NEAR = 8, 2e-3
 #: how far the direction may move, relative to its length, to leave the face alone exactly
 MOVED = 1e-2
@@ -194,7 +194,11 @@ def _face(data: ConeData, solver: ConeSolver) -> Face | None:
         grows = values > GROWTH
         if (values[~grows] > NO_GROWTH).any():
             return None
-        base = integer_complement(vectors[:, grows].T) if grows.any() else np.eye(len(values), dtype=int)
+        base = (
+            integer_complement(vectors[:, grows].T, DENOMINATOR, NEAR)
+            if grows.any()
+            else np.eye(len(values), dtype=int)
+        )
         if base is None:
             return None
         bases.append(base if grows.any() else None)
@@ -237,41 +241,6 @@ def _exact(face: Face) -> Face | None:
             if np.linalg.eigvalsh(growth[np.ix_(out, out)])[0] <= 0:
                 return None
     return replace(face, ray=ray)
-
-
-def integer_complement(rows: Array, denominator: int = DENOMINATOR, near: float = NEAR) -> Array | None:
-    """Integer columns that span the orthogonal complement of some rows, or None where these are no small fractions.
-
-    Reduced, the rows have to be within ``near`` of fractions with denominators up to ``denominator``. In as many
-    rows as there are columns, only one entry is not zero (:func:`free_rows`).
-    """
-    order = rows.shape[1]
-    reduced = rows.copy()
-    pivots: list[int] = []
-    for k in range(len(reduced)):
-        i, j = divmod(int(np.abs(reduced[k:]).argmax()), order)
-        reduced[[k, k + i]] = reduced[[k + i, k]]
-        reduced[k] /= reduced[k, j]
-        others = np.arange(len(reduced)) != k
-        reduced[others] -= reduced[others, j][:, None] * reduced[k]
-        pivots.append(j)
-    exact = [[Fraction(value).limit_denominator(denominator) for value in row] for row in reduced.tolist()]
-    if np.abs(np.array(exact, dtype=float).reshape(reduced.shape) - reduced).max(initial=0.0) > near:
-        return None
-    free = [j for j in range(order) if j not in pivots]
-    face = np.zeros((order, len(free)), dtype=int)
-    for a, j in enumerate(free):
-        factor = lcm(*(row[j].denominator for row in exact))
-        face[j, a] = factor
-        for pivot, row in zip(pivots, exact, strict=True):
-            face[pivot, a] = int(-row[j] * factor)
-    return face
-
-
-def free_rows(base: Array) -> Array:
-    """For every column of V a row in which no other column has an entry."""
-    alone = np.count_nonzero(base, axis=1) == 1
-    return np.array([np.flatnonzero(alone & (base[:, a] != 0))[0] for a in range(base.shape[1])], dtype=int)
 
 
 def _complement(base: Array) -> Array:
