@@ -145,11 +145,17 @@ def _print_unseen(found: Diagnosis) -> None:
         console().print(f"  and {count - DIRECTIONS} more, in {', '.join(names)}", markup=False)
 
 
+def _short(option: str) -> str:
+    """The option as typed; of a basis for many unknowns the first, and how many there are."""
+    first, *others = option.split(" --dependence ")
+    return f"{first} and so for {len(others)} more" if len(others) > 1 else option
+
+
 def _print_trials(found: Diagnosis) -> None:
     name = next(iter(found.result.reports), next(iter(found.result.theorem.reports), "objective"))
     shown = table("choice", name, "status", "unknowns", "LMIs", "seconds", "soundness")
     for one in found.trials:
-        option = one.option or "as given"
+        option = _short(one.option) or "as given"
         if one.failure:
             shown.add_row(option, "", one.failure, "", "", "", "")
             continue
