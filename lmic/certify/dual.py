@@ -137,7 +137,7 @@ def _exponent(value: Fraction) -> int:
 
 
 def _pivots(matrices: Sequence[Array], columns: sps.csc_array, kept: Array) -> tuple[Pivot, ...]:
-    """One entry of Z for each kept column, so that the system is well conditioned in the sizes of the entries."""
+    """One entry of Z for each kept column: the pivots of an elimination, in the sizes of the entries."""
     places, sizes = [], []
     for k, one in enumerate(matrices):
         diagonal = np.sqrt(np.diag(one).astype(float))
@@ -146,9 +146,11 @@ def _pivots(matrices: Sequence[Array], columns: sps.csc_array, kept: Array) -> t
         sizes.append(diagonal[rows] * diagonal[cols])
     weighted = sps.diags_array(np.concatenate(sizes)) @ columns[:, kept]
     norms = np.sqrt(np.asarray(weighted.multiply(weighted).sum(axis=0)).ravel())
-    dense = (weighted @ sps.diags_array(1 / norms)).toarray().T
-    order = scipy.linalg.qr(dense, mode="r", pivoting=True)[1][: len(kept)]
-    return tuple(Pivot(int(column), *places[int(entry)]) for column, entry in zip(kept, order, strict=True))
+    exchanged = scipy.linalg.lu_factor((weighted @ sps.diags_array(1 / norms)).toarray())[1]
+    order = np.arange(len(places))
+    for k, other in enumerate(exchanged.tolist()):
+        order[[k, other]] = order[[other, k]]
+    return tuple(Pivot(int(column), *places[int(entry)]) for column, entry in zip(kept, order, strict=False))
 
 
 def _shifted(matrices: Sequence[Array]) -> Iterator[list[Array]]:
