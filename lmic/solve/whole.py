@@ -69,26 +69,17 @@ def _solved(
     """All passes; on a face of the dual too where they leave doubt, and first where they cost too much."""
     kept = directions.kept
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
-    found: list[Candidate] = []
-    steps: tuple[Pass, ...] = ()
-
-    def on_face() -> None:
-        nonlocal steps
-        if answer := solve_on_face(reduced, solver, passes):
-            found.append(answer[0])
-            steps += answer[1]
-
     affordable = scaling.affordable(reduced)
-    if not affordable:
-        on_face()
-    if not found or found[0].step.uncertainty > TRUSTED_UNCERTAINTY:
-        guide = None if near is None else data.matrix @ near + data.offset
-        best, more = passes_of(reduced, solver, passes, guide=guide)
-        found.append(best)
-        steps += more
-        if affordable and passes > 1 and best.answer.status.usable and best.merit > TRUSTED_GAP:
-            on_face()
-    return min(found, key=lambda one: one.merit), steps
+    first = None if affordable else solve_on_face(reduced, solver, passes)
+    if first and first[0].step.uncertainty <= TRUSTED_UNCERTAINTY:
+        return first
+    guide = None if near is None else data.matrix @ near + data.offset
+    best, steps = passes_of(reduced, solver, passes, guide=guide)
+    doubtful = affordable and passes > 1 and best.answer.status.usable and best.merit > TRUSTED_GAP
+    other = solve_on_face(reduced, solver, passes) if doubtful else first
+    if other is None:
+        return best, steps
+    return min(other[0], best, key=lambda one: one.merit), steps + other[1]
 
 
 def margin(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES) -> Solution:
