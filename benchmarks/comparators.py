@@ -16,7 +16,6 @@ from problems import Problem
 
 from lmic.assemble import ConicProblem
 from lmic.bind import Binding
-from lmic.language.declarations import Star
 from lmic.language.lmi import LMI
 from lmic.language.nodes import (
     Block,
@@ -30,6 +29,7 @@ from lmic.language.nodes import (
     Zero,
 )
 from lmic.language.parameters import instance_symbol
+from lmic.language.star import Star
 from lmic.relax.grid import grid_points
 from lmic.relax.relax import Relaxation, chosen_grid
 from lmic.relax.space import space
