@@ -19,5 +19,6 @@ assert row["same"], row
 
 
 def test_all_tools_are_given_the_same_problem() -> None:
-    found = subprocess.run([sys.executable, "-c", CODE], cwd=ROOT / "benchmarks", capture_output=True, text=True)
+    command = [sys.executable, "-c", CODE]
+    found = subprocess.run(command, cwd=ROOT / "benchmarks", capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr
