@@ -50,13 +50,14 @@ def exact_dual(
     They are W on ``faces``; where these are not known, those that the correction shows are taken. Raises
     CertificateError where none are found.
     """
-    whole = problem
+    whole, known = problem, faces is not None
     if faces is None:
-        _, near = corrected(problem, matrices)
+        kept, near = corrected(problem, matrices)
         faces = [_face(before, after) for before, after in zip(matrices, near, strict=True)]
         matrices = [m if face is None else on_face(m, face) for m, face in zip(near, faces, strict=True)]
-    problem = compressed(problem, faces)
-    kept, near = corrected(problem, matrices)
+    if known or any(face is not None for face in faces):
+        problem = compressed(problem, faces)
+        kept, near = corrected(problem, matrices)
     columns = svec_columns(problem)
     reason = CertificateError("no positive definite dual matrices were found near the solver's")
     for bits in BITS:

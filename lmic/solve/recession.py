@@ -194,14 +194,10 @@ def _face(data: ConeData, solver: ConeSolver) -> Face | None:
         grows = values > GROWTH
         if (values[~grows] > NO_GROWTH).any():
             return None
-        base = (
-            integer_complement(vectors[:, grows].T, DENOMINATOR, NEAR)
-            if grows.any()
-            else np.eye(len(values), dtype=int)
-        )
-        if base is None:
+        base = None
+        if grows.any() and (base := integer_complement(vectors[:, grows].T, DENOMINATOR, NEAR)) is None:
             return None
-        bases.append(base if grows.any() else None)
+        bases.append(base)
     compressed = _compressed(data, bases)
     face = Face(data, ray, tuple(bases), compressed, lineality(compressed.matrix))
     return _exact(face)

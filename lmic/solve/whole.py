@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lmic import svec
 from lmic.solve import scaling
 from lmic.solve.cone import ConeData, ConeProblem, ConeSolver, Status
-from lmic.solve.lineality import Lineality, lineality
+from lmic.solve.lineality import lineality
 from lmic.solve.on_face import solve_on_face
 from lmic.solve.passes import PASSES, ROUNDING, TRUSTED_GAP, TRUSTED_VIOLATION, Candidate, passes_of, worst_of
 from lmic.solve.solution import TRUSTED_UNCERTAINTY, Pass, Solution
@@ -43,7 +43,8 @@ def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES, 
     if directions.unseen(data.cost):
         return _without_answer(problem, Status.UNBOUNDED, solver, unseen, ())
     reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
-    best, steps = _solved(data, directions, solver, passes, near)
+    guide = None if near is None else data.matrix @ near + data.offset
+    best, steps = _solved(reduced, guide, solver, passes)
     # a problem without a solution may end in an answer of which no digit is known
     doubtful = best.answer.status in (Status.INFEASIBLE, Status.FAILED)
     if doubtful or (best.answer.status.usable and best.step.uncertainty > TRUSTED_UNCERTAINTY):
@@ -64,16 +65,13 @@ def solve_whole(problem: ConeProblem, solver: ConeSolver, passes: int = PASSES, 
 
 
 def _solved(
-    data: ConeData, directions: Lineality, solver: ConeSolver, passes: int, near: Array | None
+    reduced: ConeData, guide: Array | None, solver: ConeSolver, passes: int
 ) -> tuple[Candidate, tuple[Pass, ...]]:
     """All passes; on a face of the dual too where they leave doubt, and first where they cost too much."""
-    kept = directions.kept
-    reduced = replace(data, cost=data.cost[kept], matrix=data.matrix[:, kept])
     affordable = scaling.affordable(reduced)
     first = None if affordable else solve_on_face(reduced, solver, passes)
     if first and first[0].step.uncertainty <= TRUSTED_UNCERTAINTY:
         return first
-    guide = None if near is None else data.matrix @ near + data.offset
     best, steps = passes_of(reduced, solver, passes, guide=guide)
     doubtful = affordable and passes > 1 and best.answer.status.usable and best.merit > TRUSTED_GAP
     other = solve_on_face(reduced, solver, passes) if doubtful else first
