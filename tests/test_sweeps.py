@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
@@ -355,6 +356,23 @@ def test_a_torn_last_line_is_cut_off_and_its_point_done_again(plant: Plant, tmp_
         assert path.read_bytes().startswith(content[: content.rstrip(b"\n").rfind(b"\n") + 1])
         assert [record["at"]["a"] for record in records(path)] == ["0.1", "0.2", "0.3"]
         assert again.values("gamma") == pytest.approx(first.values("gamma"), rel=1e-8)
+
+
+@pytest.mark.parametrize("calls", [1, 2, 3], ids=["before the first point", "after it", "after the second"])
+def test_what_an_interrupted_sweep_kept_is_what_its_file_holds(plant: Plant, tmp_path: Path, calls: int) -> None:
+    """Ctrl-C may come between a write and anything that counts it."""
+    path = tmp_path / "s.jsonl"
+    left = calls
+
+    def stop(more: int, total: int) -> None:
+        nonlocal left
+        left -= 1
+        if not left:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match=f"^{calls - 1} of 4 points are in {re.escape(str(path))}"):
+        lmic.sweep(lmic.theorem(LEMMA), plant, {"a": "0.1,0.2,0.3,0.4"}, file=path, jobs=1, advance=stop)
+    assert len(records(path)) == calls - 1
 
 
 def test_a_sweep_may_grow(plant: Plant, tmp_path: Path) -> None:

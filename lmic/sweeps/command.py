@@ -83,19 +83,7 @@ def sweep(
         check_table(table)
     if picture:
         check_picture(picture)
-    reached = (0, 0)
-
-    def kept() -> str:
-        done, total = reached
-        return f"{done} of {total} points are in {output}, and the same command does the others"
-
-    with keeping(kept), terminal.counter(name, quiet=as_json) as counted:
-
-        def advance(points: int, total: int) -> None:
-            nonlocal reached
-            reached = (reached[0] + points, total)
-            counted(points, total)
-
+    with terminal.counter(name, quiet=as_json) as advance:
         swept = run(
             library.theorem(name),
             read,
@@ -110,14 +98,15 @@ def sweep(
             scheduler,
             advance,
         )
-    if table:
-        swept.write_table(table)
-    if picture:
-        plot(swept, picture, report, least_over)
-    if as_json:
-        echo_json(_record(swept, output))
-    else:
-        _print(swept, output, report, least_over, [path for path in (table, picture) if path])
+    with keeping(lambda: f"all points are in {output}, and the same command shows them"):
+        if table:
+            swept.write_table(table)
+        if picture:
+            plot(swept, picture, report, least_over)
+        if as_json:
+            echo_json(_record(swept, output))
+        else:
+            _print(swept, output, report, least_over, [path for path in (table, picture) if path])
     if swept.doubtful or swept.failed:
         sys.exit(1)
 

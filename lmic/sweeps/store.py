@@ -16,6 +16,7 @@ from typing import Any, Self
 from lmic import __version__
 from lmic.errors import SweepError
 from lmic.files import write_whole
+from lmic.interrupts import NOTHING
 from lmic.sweeps.plan import Key, Plan
 
 FORMAT = 1
@@ -68,6 +69,13 @@ class Store:
             os.fsync(self._stream.fileno())
         except OSError as error:
             raise SweepError(f"{self.path} cannot be written: {error.strerror}; make room and resume") from error
+
+    def kept(self) -> str:
+        """What an interrupted sweep leaves, by the file itself: an append may have been broken off."""
+        if self.path is None or not self.path.exists():
+            return NOTHING
+        held = max(0, self.path.read_bytes().count(b"\n") - 1)
+        return f"{held} of {len(self.plan)} points are in {self.path}, and the same sweep does the others"
 
     def _read(self, content: bytes) -> dict[Key, Mapping[str, Any]]:
         """The records of a file whose header is of this problem."""

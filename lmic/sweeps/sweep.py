@@ -8,6 +8,7 @@ from typing import Any
 
 from lmic.bases import Choice
 from lmic.errors import SweepError
+from lmic.interrupts import keeping
 from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant, exact_number
 from lmic.relax.relax import Relaxation
@@ -77,7 +78,8 @@ def run_plan(
     advance: Callable[[int, int], None] | None = None,
 ) -> Swept:
     """Do what the file of a plan does not hold yet."""
-    with Store(plan, file) as store:
+    store = Store(plan, file)
+    with keeping(store.kept), store:
         left = sum(key not in store.records for key in plan.points())
         if advance:
             advance(len(plan) - left, len(plan))
