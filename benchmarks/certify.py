@@ -15,6 +15,7 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+from lmic.analysis.sampling import cover
 from lmic.certify.certify import certify
 from lmic.certify.verify import verify
 from lmic.files import write_whole
@@ -22,7 +23,6 @@ from lmic.library import theorem
 from lmic.papers.cases import select
 from lmic.pipeline import compile, run
 from lmic.plants.files import read_plant
-from lmic.sampling import cover
 
 CASES = {
     "S2 Table 1, parameter-dependent": "peixoto2025.table1.parameter_dependent",

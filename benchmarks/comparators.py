@@ -1,6 +1,6 @@
 """The same problems for CVXPY and PICOS: the theorem's matrix written out with their expressions, one LMI per point.
 
-This is the plain reading of the statement (as in :mod:`lmic.evaluate`) with a modelling tool's variables in
+This is the plain reading of the statement (as in :mod:`lmic.recover.evaluate`) with a modelling tool's variables in
 place of numbers: what a user of the tool would write by hand.
 """
 
@@ -14,8 +14,8 @@ import numpy as np
 import sympy as sp
 from problems import Problem
 
-from lmic.assemble import ConicProblem
-from lmic.bind import Binding
+from lmic.compiler.assemble import ConicProblem
+from lmic.compiler.bind import Binding
 from lmic.language.lmi import LMI
 from lmic.language.nodes import (
     Block,

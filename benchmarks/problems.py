@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from lmic import library
-from lmic.assemble import ConicProblem
-from lmic.domains import BoxDomain
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials
+from lmic.compiler.assemble import ConicProblem
 from lmic.dsl import ND, PD, Data, He, I, Scalar, Simplex, Source, Symmetric, Theorem, dims, star
 from lmic.pipeline import compile
+from lmic.plants.domains import BoxDomain
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant
-from lmic.polynomials import MatrixPolynomial, Monomials
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 

@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from lmic.relax.relax import Relaxation as Relaxation
     from lmic.result_file import read_result as read_result
     from lmic.result_file import write_result as write_result
-    from lmic.search import bisect as bisect
-    from lmic.search import line_search as line_search
     from lmic.solve.registry import solvers as solvers
+    from lmic.sweeps.search import bisect as bisect
+    from lmic.sweeps.search import line_search as line_search
     from lmic.sweeps.sweep import sweep as sweep
     from lmic.sweeps.swept import Swept as Swept
 
@@ -46,12 +46,12 @@ _HOME = {
     "Plant": "lmic.plants.plant",
     "Relaxation": "lmic.relax.relax",
     "Swept": "lmic.sweeps.swept",
-    "bisect": "lmic.search",
+    "bisect": "lmic.sweeps.search",
     "compile": "lmic.pipeline",
     "cvxpy_problem": "lmic.interchange.models",
     "diagnose": "lmic.diagnosis.diagnose",
     "finish": "lmic.pipeline",
-    "line_search": "lmic.search",
+    "line_search": "lmic.sweeps.search",
     "picos_problem": "lmic.interchange.models",
     "prepare": "lmic.pipeline",
     "read_certificate": "lmic.certify.certificate_file",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from lmic.bind import Binding
-from lmic.domains import vertex_points
+from lmic.compiler.bind import Binding
 from lmic.errors import Place, PlantError
 from lmic.language.systems import Schur
-from lmic.recover import Design
+from lmic.plants.domains import vertex_points
+from lmic.recover.recover import Design
 
 
 def check_assumptions(binding: Binding) -> None:

@@ -23,21 +23,21 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from lmic.assemble import ConicProblem, assemble
 from lmic.assumptions import check_assumptions
-from lmic.bases import Choice
-from lmic.bind import Binding, bind
+from lmic.compiler.assemble import ConicProblem, assemble
+from lmic.compiler.bases import Choice
+from lmic.compiler.bind import Binding, bind
+from lmic.compiler.lower import lower
+from lmic.compiler.terms import TermList, term_lists
 from lmic.errors import Place, RecoveryError
 from lmic.language.theorem import Theorem
-from lmic.lower import lower
 from lmic.memory import Kept
 from lmic.plants.plant import Plant
-from lmic.recover import Design, recover
+from lmic.recover.recover import Design, recover
 from lmic.relax.relax import Relaxation, relax
 from lmic.solve.cone import ConeSolver
 from lmic.solve.solution import Solution
 from lmic.solve.solve import solve
-from lmic.terms import TermList, term_lists
 
 #: size up to which an imaginary part is the root of a rounding error
 ROUNDED_ROOT = 1e-4

@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from lmic.assemble import ConicProblem
 from lmic.certify.certificate import Certificate, with_advice
 from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
 from lmic.commands.terminal import console, table
-from lmic.domains import vertex_points
+from lmic.compiler.assemble import ConicProblem
 from lmic.index import group, plants
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result
+from lmic.plants.domains import vertex_points
 from lmic.relax.family import LMIFamily
-from lmic.search import Found
 from lmic.solve.solution import Solution
+from lmic.sweeps.search import Found
 
 #: digits of a proven end on the screen, rounded outwards
 SHOWN = 12

@@ -19,17 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lmic import __version__, library
-from lmic.assemble import ConicProblem
 from lmic.certify import certificate_file, document
 from lmic.certify.certificate import Certificate
+from lmic.compiler.assemble import ConicProblem
+from lmic.compiler.layout import UnknownLayout
 from lmic.errors import LmicError, Place, ResultError
 from lmic.files import read_at_most, write_whole
 from lmic.fingerprint import digest, promises, statement
 from lmic.language.theorem import Theorem
-from lmic.layout import UnknownLayout
 from lmic.pipeline import Result, compile, reports
 from lmic.plants.expressions import quoted
-from lmic.recover import recover
+from lmic.recover.recover import recover
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 from lmic.solve.cone import Status

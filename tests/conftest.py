@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from lmic.bind import Binding
-from lmic.evaluate import evaluate
+from lmic.compiler.bind import Binding
 from lmic.language.lmi import LMI
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import instance_symbol, rate_symbol
 from lmic.language.star import Star
 from lmic.plants.plant import Plant
+from lmic.recover.evaluate import evaluate
 
 # Example 1 of Peixoto et al. (2025), typed here once more so that the shipped file is checked too
 EXAMPLE_1: Mapping[str, Any] = {

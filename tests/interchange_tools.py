@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from lmic import library
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.interchange.formats import FORMATS
 from lmic.interchange.sdp import SDP, Notes, sdp_of_entries
 from lmic.pipeline import compile

@@ -12,12 +12,12 @@ import pytest
 import sympy as sp
 
 from lmic import library
-from lmic.domains import BoxDomain, Motion, SimplexDomain
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.errors import PlantError
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result, compile, run
+from lmic.plants.domains import BoxDomain, Motion, SimplexDomain
 from lmic.plants.plant import Plant, exact_number
-from lmic.polynomials import MatrixPolynomial
 from lmic.relax.relax import Relaxation
 from lmic.solve.cone import Status
 

@@ -16,7 +16,7 @@ from lmic.library import root
 from lmic.papers.cases import Case, case_tables
 from lmic.papers.reproduce import Verdict, reproduce, run_simulation, verdict
 from lmic.papers.signals import signal
-from lmic.recover import Design
+from lmic.recover.recover import Design
 
 
 def test_every_public_name_loads() -> None:

@@ -12,12 +12,12 @@ from click.testing import CliRunner
 
 import lmic
 from lmic import library
+from lmic.analysis.sampling import cover
 from lmic.cli import main
 from lmic.pages.gallery import write_gallery
 from lmic.pages.site import render
 from lmic.papers.cases import case_tables
 from lmic.relax.relax import Relaxation
-from lmic.sampling import cover
 
 PAGES = ("filter", "sampled", "norm", "notebook", "reproduction", "gallery", "theorem", "benchmarks")
 #: those that show formulas

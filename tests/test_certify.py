@@ -17,7 +17,9 @@ import sympy as sp
 from click.testing import CliRunner
 from conftest import direct
 
-from lmic import library, svec
+from lmic import library
+from lmic.algebra import svec
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.certify import document
 from lmic.certify.certificate import Certificate, Standing, Unknown
 from lmic.certify.certificate_file import checksum, parsed, read_certificate, text, write_certificate
@@ -31,15 +33,14 @@ from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import verify
 from lmic.cli import main
-from lmic.domains import BoxDomain
 from lmic.dsl import PD, I, Scalar, Source, Theorem
 from lmic.errors import CertificateError
 from lmic.language.parameters import instance_symbol
 from lmic.papers.enclosures import Enclosure
 from lmic.pipeline import compile, prepare, run
+from lmic.plants.domains import BoxDomain
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
-from lmic.polynomials import MatrixPolynomial
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 

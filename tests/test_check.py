@@ -16,10 +16,10 @@ from lmic.authoring import display
 from lmic.authoring.checkup import check
 from lmic.authoring.execution import execute
 from lmic.cli import main
+from lmic.compiler.lower import lower
+from lmic.compiler.terms import objective, term_lists
 from lmic.errors import LmicError
 from lmic.faults import demand
-from lmic.lower import lower
-from lmic.terms import objective, term_lists
 
 HEAD = """from lmic.dsl import *
 n, m = dims("n m")

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import nnls
 
 from lmic import library
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.pipeline import compile, finish, prepare, symbolic
 from lmic.plants.files import read_plant
 from lmic.plants.random import random_plant

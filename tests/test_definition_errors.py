@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from lmic.compiler.lower import lower
+from lmic.compiler.terms import term_lists
 from lmic.dsl import (
     ND,
     PD,
@@ -36,10 +38,8 @@ from lmic.errors import (
     PlantError,
     ShapeError,
 )
-from lmic.lower import lower
 from lmic.pipeline import compile
 from lmic.plants.plant import Plant
-from lmic.terms import term_lists
 
 n, m = dims("n m")
 alpha = Simplex("alpha", step="free")

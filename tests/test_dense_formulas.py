@@ -22,11 +22,11 @@ from dense_maps import Array
 from numpy.linalg import inv
 
 from lmic import library
+from lmic.compiler.lower import lower_lmi
 from lmic.errors import Place
-from lmic.evaluate import evaluate
 from lmic.language.nodes import Leaf
 from lmic.language.theorem import Theorem
-from lmic.lower import lower_lmi
+from lmic.recover.evaluate import evaluate
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from lmic import domains
+from lmic.algebra.functions import exponential
+from lmic.algebra.polynomials import MatrixPolynomial, atom_values
 from lmic.certify.domain import ProofAxis, ProofDomain, Proven, Undecided, Witness, proof_domain, prove_positive
 from lmic.certify.polytopes import joint_step, rates
-from lmic.domains import BoxDomain, Motion, SimplexDomain
 from lmic.errors import CertificateError
-from lmic.functions import exponential
 from lmic.language.parameters import Parameter
+from lmic.plants import domains
+from lmic.plants.domains import BoxDomain, Motion, SimplexDomain
 from lmic.plants.expressions import Where
-from lmic.polynomials import MatrixPolynomial, atom_values
 
 F, Q = Fraction, sp.Rational
 x, y = sp.symbols("x y")

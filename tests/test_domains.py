@@ -15,13 +15,13 @@ import sympy as sp
 from scipy.optimize import linprog
 
 from lmic import library
-from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain, joint_step, rate_polytope
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.dsl import ND, PD, Data, He, Parameter, Source, Symmetric, Theorem, dims, dot, star
 from lmic.errors import BasisError, DomainError, LmicError, PlantError, RelaxationError
 from lmic.pipeline import finish, prepare
+from lmic.plants.domains import BoxDomain, Domain, Motion, SimplexDomain, joint_step, rate_polytope
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant
-from lmic.polynomials import MatrixPolynomial
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 

@@ -11,6 +11,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lmic.algebra.polynomials import atom_values
 from lmic.errors import ExpressionError
 from lmic.plants.expressions import (
     FUNCTIONS,
@@ -26,7 +27,6 @@ from lmic.plants.expressions import (
     quoted,
     rational,
 )
-from lmic.polynomials import atom_values
 
 x, y, k = sp.symbols("x y k")
 SYMBOLS = {"x": x, "y": y, "k": k}

@@ -13,12 +13,12 @@ import pytest
 import sympy as sp
 from flint import fmpq, fmpq_mat
 
-from lmic.domains import BoxDomain, SimplexDomain
+from lmic.algebra.polynomials import MatrixPolynomial, homogeneous_exponents
 from lmic.errors import PlantError
+from lmic.plants.domains import BoxDomain, SimplexDomain
 from lmic.plants.files import read_plant
 from lmic.plants.fractional import MAX_CHANNELS, MAX_COEFFICIENTS, FractionalForm, fractional_plant
 from lmic.plants.plant import Plant
-from lmic.polynomials import MatrixPolynomial, homogeneous_exponents
 
 NAMES = (("A", "B", "B_Delta"), ("C", "D", "D_Delta"), ("C_Delta", "D_z", "D_Delta_z"))
 SIZES = {"A": (3, 3), "B": (3, 2), "C": (1, 3), "D": (1, 2)}

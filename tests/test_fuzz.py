@@ -30,13 +30,14 @@ import lmic
 from lmic.certify.certificate_file import parsed
 from lmic.certify.verify import verify
 from lmic.cli import main
+from lmic.compiler.lower import lower
+from lmic.compiler.terms import term_lists
 from lmic.errors import CertificateError, PlantError
 from lmic.fingerprint import digest
 from lmic.interchange.formats import FORMATS
 from lmic.interchange.sdp import sdp_of_problem
 from lmic.language.theorem import Theorem
 from lmic.library import root
-from lmic.lower import lower
 from lmic.pipeline import compile, run
 from lmic.plants.files import read_plant
 from lmic.plants.random import random_plant
@@ -44,7 +45,6 @@ from lmic.relax.relax import Relaxation
 from lmic.result_file import read_result, write_result
 from lmic.sweeps.plan import Plan
 from lmic.sweeps.store import Store
-from lmic.terms import term_lists
 
 DEFINITIONS, PLANTS, DAMAGED_PLANTS, FILES, LINES = 3000, 3000, 2500, 3000, 1500
 #: of those that are well-formed, one in so many is compiled as well

@@ -18,9 +18,9 @@ from lmic.certify.statement import Statement
 from lmic.certify.verify import verify
 from lmic.cli import main
 from lmic.commands.options import Choices
-from lmic.domains import BoxDomain, Domain, SimplexDomain, joint_step, rate_polytope
 from lmic.errors import RelaxationError
 from lmic.pipeline import compile
+from lmic.plants.domains import BoxDomain, Domain, SimplexDomain, joint_step, rate_polytope
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation

@@ -10,8 +10,9 @@ import scipy.io
 from hypothesis import given, settings
 from interchange_tools import LAG_GAIN, SUFFIXES, identical, lag, programs
 
-from lmic import library, svec
-from lmic.assemble import ConicProblem
+from lmic import library
+from lmic.algebra import svec
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import LmicError
 from lmic.interchange.formats import FORMATS, read_problem, write_problem
 from lmic.interchange.sdp import SDP, sdp_of_entries, sdp_of_problem

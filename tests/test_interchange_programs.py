@@ -15,7 +15,7 @@ import scipy.io
 from interchange_tools import LAG_GAIN, identical, lag
 
 from lmic import library
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import LmicError
 from lmic.interchange.formats import read_problem, write_problem
 from lmic.interchange.models import cvxpy_problem, picos_problem

@@ -113,7 +113,7 @@ def test_a_proof_that_is_not_finished_leaves_the_number(tmp_path: Path) -> None:
 def test_a_line_search_says_its_best_and_where_to_go_on(tmp_path: Path) -> None:
     (tmp_path / "plant.toml").write_text(GAIN)
     words = ("solve", "standard.bounded_real_discrete", "--plant", "plant.toml", "--search", "a=0:0.8")
-    _, said = interrupted(tmp_path, "lmic.search:finish", *words, at=4)
+    _, said = interrupted(tmp_path, "lmic.sweeps.search:finish", *words, at=4)
     assert said.startswith("after 3 solves a = 0 is the best, with the objective 1")
     assert said.endswith("go on with --search a=0:0.1")
 
@@ -130,7 +130,7 @@ def test_a_bisection_says_its_bracket(tmp_path: Path) -> None:
         "--dependence",
         "P=constant",
     )
-    _, said = interrupted(tmp_path, "lmic.search:finish", *words, at=4)
+    _, said = interrupted(tmp_path, "lmic.sweeps.search:finish", *words, at=4)
     assert said == "after 3 solves beta = 0 is the best; go on with --search beta=0:2"
 
 

@@ -16,6 +16,8 @@ import pytest
 from click.testing import CliRunner
 
 from lmic import library
+from lmic.algebra.polynomials import MatrixPolynomial
+from lmic.analysis.sampling import Gain, cover
 from lmic.certify import certify as certifying
 from lmic.certify.candidates import in_multiprecision
 from lmic.certify.certificate import Certificate, Standing
@@ -33,10 +35,8 @@ from lmic.errors import CertificateError, LmicError
 from lmic.pipeline import Result, compile, run
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
-from lmic.polynomials import MatrixPolynomial
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
-from lmic.sampling import Gain, cover
 from lmic.solve.cone import Status
 from lmic.solve.scaling import slack_matrices
 

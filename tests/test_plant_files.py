@@ -23,12 +23,12 @@ from plant_file_tools import (
     write_npz,
 )
 
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials
 from lmic.certify.document import same_plant
-from lmic.domains import BoxDomain, Motion, SimplexDomain
 from lmic.errors import PlantError
+from lmic.plants.domains import BoxDomain, Motion, SimplexDomain
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_number
-from lmic.polynomials import MatrixPolynomial, Monomials
 
 PAPER = Path(__file__).parents[1] / "theorems" / "peixoto2025"
 

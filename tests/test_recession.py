@@ -9,8 +9,8 @@ import pytest
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.integer_bases import integer_complement
+from lmic.algebra import svec
+from lmic.algebra.integer_bases import integer_complement
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData
 from lmic.solve.on_face import solve_on_face

@@ -16,13 +16,13 @@ from click.testing import CliRunner
 from lmic import library
 from lmic.analysis.norms import h_infinity
 from lmic.cli import main
-from lmic.domains import vertex_points
 from lmic.errors import FormatError, RecoveryError
 from lmic.interchange.design import write_design
 from lmic.pipeline import Result, compile, run
+from lmic.plants.domains import vertex_points
 from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant
-from lmic.recover import recover
+from lmic.recover.recover import recover
 from lmic.typeset import latex, mathml, numbers
 
 

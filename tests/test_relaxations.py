@@ -16,25 +16,25 @@ import pytest
 import sympy as sp
 
 from lmic import library
-from lmic.assemble import ConicProblem
-from lmic.domains import BoxDomain, Motion
+from lmic.algebra.polynomials import MatrixPolynomial
+from lmic.compiler.assemble import ConicProblem
 from lmic.dsl import PD, Scalar, Source, Theorem, given, star
 from lmic.errors import DomainError, LmicError, RelaxationError
 from lmic.pipeline import finish, prepare, run
+from lmic.plants.domains import BoxDomain, Motion
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant
-from lmic.polynomials import MatrixPolynomial
 from lmic.relax.family import Soundness
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
-from lmic.search import bisect, line_search
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import Status
 from lmic.solve.exchange import solve_by_exchange
 from lmic.solve.scaling import slack_matrices
 from lmic.solve.solve import EXCHANGE_FROM
 from lmic.solve.whole import solve_whole
+from lmic.sweeps.search import bisect, line_search
 
 WU = Path(__file__).parents[1] / "theorems" / "wu2007"
 BOUNDED_REAL = library.theorem("standard.bounded_real_discrete")

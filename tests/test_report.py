@@ -15,17 +15,17 @@ from IPython.core.formatters import DisplayFormatter
 import lmic
 from lmic import library
 from lmic.analysis.margins import eigenvalues, imposed, margins, over
+from lmic.analysis.sampling import cover
 from lmic.analysis.spectra import spectra
 from lmic.analysis.walk import chart, walk
-from lmic.domains import BoxDomain, Motion, SimplexDomain
 from lmic.dsl import PD, Box, Data, He, I, Scalar, Source, Symmetric, Theorem, dims
 from lmic.pages import plots
 from lmic.pages.result import report
 from lmic.pipeline import Result
+from lmic.plants.domains import BoxDomain, Motion, SimplexDomain
 from lmic.plants.files import plant_of_tables
 from lmic.plants.plant import Plant
 from lmic.relax.relax import Relaxation
-from lmic.sampling import cover
 from lmic.simulate.typical import parameters_along, typical
 
 ROOT = library.root()

@@ -18,13 +18,13 @@ from lmic.certify.certificate_file import text
 from lmic.certify.certify import certify
 from lmic.cli import main
 from lmic.commands.output import check_output
-from lmic.domains import vertex_points
 from lmic.dsl import PD, Data, I, Source, Symmetric, Theorem, dims
 from lmic.errors import FormatError, LmicError, ResultError
 from lmic.fingerprint import digest
 from lmic.pipeline import Result
+from lmic.plants.domains import vertex_points
 from lmic.plants.plant import Plant
-from lmic.recover import recover
+from lmic.recover.recover import recover
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 from lmic.solve.cone import Status

@@ -13,6 +13,7 @@ from scipy.integrate import quad_vec
 
 from lmic import library
 from lmic.analysis.norms import frozen_gain, h_infinity
+from lmic.analysis.sampling import Gain, cover, logarithmic_norm, sampled_gain, tolerated
 from lmic.errors import PlantError
 from lmic.papers.cases import select
 from lmic.papers.reproduce import Verdict, reproduce
@@ -21,7 +22,6 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
-from lmic.sampling import Gain, cover, logarithmic_norm, sampled_gain, tolerated
 
 
 def example(number: int) -> Plant:

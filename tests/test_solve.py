@@ -11,11 +11,11 @@ import sympy as sp
 from conftest import EXAMPLE_1
 
 from lmic import library
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.errors import RecoveryError
 from lmic.pipeline import compile, finish, prepare, run
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
-from lmic.polynomials import MatrixPolynomial
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeAnswer, ConeData, Status
 from lmic.solve.lineality import lineality

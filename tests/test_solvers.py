@@ -11,7 +11,8 @@ import pytest
 from click.testing import CliRunner
 from interchange_tools import LAG_GAIN, lag
 
-from lmic import library, svec
+from lmic import library
+from lmic.algebra import svec
 from lmic.certify.certify import certify
 from lmic.cli import main
 from lmic.errors import SolverError

@@ -13,6 +13,7 @@ import pytest
 import sympy as sp
 
 from lmic import library
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.certify.finite import finite_problem
 from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
@@ -21,7 +22,6 @@ from lmic.certify.statement import Statement
 from lmic.errors import CertificateError
 from lmic.pipeline import compile
 from lmic.plants.files import read_plant
-from lmic.polynomials import MatrixPolynomial
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 

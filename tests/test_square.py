@@ -15,12 +15,12 @@ import sympy as sp
 from conftest import EXAMPLE_1, direct
 
 from lmic import library
-from lmic.assemble import ConicProblem
-from lmic.domains import BoxDomain, Motion
+from lmic.algebra.polynomials import homogeneous_exponents
+from lmic.compiler.assemble import ConicProblem
 from lmic.pipeline import finish, prepare
+from lmic.plants.domains import BoxDomain, Motion
 from lmic.plants.plant import Plant
 from lmic.plants.random import random_plant
-from lmic.polynomials import homogeneous_exponents
 from lmic.relax.family import AxisRelaxation
 from lmic.relax.grid import Grid, grid_points
 from lmic.relax.relax import Relaxation

@@ -36,7 +36,7 @@ from test_standard_norms import NORMS
 from lmic.pipeline import prepare
 from lmic.plants.plant import Plant
 from lmic.relax.relax import Relaxation
-from lmic.search import bisect
+from lmic.sweeps.search import bisect
 
 # Decay rates --------------------------------------------------------------------------------------
 

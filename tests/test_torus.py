@@ -16,7 +16,7 @@ from lmic.analysis.norms import diagonal_peak, frozen_gain, frozen_magnitude, fr
 from lmic.library import root
 from lmic.pipeline import Result
 from lmic.plants.plant import Plant
-from lmic.recover import recover
+from lmic.recover.recover import recover
 
 Matrices = dict[str, Any]
 VERTICES_AND_MIXTURES = [[k / 10, 1 - k / 10] for k in range(11)]

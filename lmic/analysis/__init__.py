@@ -1,1 +1,1 @@
-"""What a solution does over the domain: by how much the LMIs hold, and poles and norms at frozen parameters."""
+"""What a plant or a solution does over the domain: margins of the LMIs, poles and norms, grids that cover it."""

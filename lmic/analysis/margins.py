@@ -16,9 +16,9 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from lmic.analysis.walk import Chart, Walk
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
+from lmic.compiler.parametric import ParametricLMI
 from lmic.language.parameters import instance_symbol
-from lmic.parametric import ParametricLMI
 from lmic.relax.family import LMIFamily
 from lmic.relax.grid import grid_points
 from lmic.relax.relax import chosen_grid

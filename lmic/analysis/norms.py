@@ -19,7 +19,7 @@ from lmic.language.systems import (
     PlaneSystem,
     System,
 )
-from lmic.recover import Design
+from lmic.recover.recover import Design
 
 Array: TypeAlias = NDArray[Any]
 

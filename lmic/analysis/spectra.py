@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lmic.analysis.walk import Walk
 from lmic.errors import LmicError
 from lmic.language.systems import ContinuousSystem, DelaySystem, DiscreteSystem
-from lmic.recover import Design
+from lmic.recover.recover import Design
 
 Array: TypeAlias = NDArray[Any]
 

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic.domains import BoxDomain, Domain, vertex_points
+from lmic.plants.domains import BoxDomain, Domain, vertex_points
 
 Array: TypeAlias = NDArray[Any]
 

@@ -12,6 +12,8 @@ from typing import Any, TypeGuard
 import sympy as sp
 
 from lmic.authoring.execution import DECLARED, Execution, Failure, Unwritten, execute, word_of, written_rows
+from lmic.compiler.lower import check_formulas, lowered
+from lmic.compiler.terms import objective, split
 from lmic.errors import DefinitionError, LibraryError, LmicError, Place
 from lmic.faults import collect
 from lmic.language.declarations import Given, ScalarUnknown, SymbolicSize
@@ -20,8 +22,6 @@ from lmic.language.nodes import Leaf
 from lmic.language.parameters import Parameter
 from lmic.language.theorem import Theorem
 from lmic.library import Located
-from lmic.lower import check_formulas, lowered
-from lmic.terms import objective, split
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from lmic.authoring.checkup import Finding
-from lmic.bind import domains_of
+from lmic.compiler.bind import domains_of
 from lmic.errors import LmicError, Place
 from lmic.faults import collect
 from lmic.language.theorem import Theorem
 from lmic.pipeline import prepare
 from lmic.plants.files import read_plant
-from lmic.sizes import sizes_of
+from lmic.plants.sizes import sizes_of
 
 
 def check_plant(theorem: Theorem, path: Path, sizes: Mapping[str, int]) -> list[Finding]:

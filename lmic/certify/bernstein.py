@@ -21,9 +21,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import MatrixPolynomial, homogeneous_exponents
 from lmic.certify import taylor
 from lmic.certify.statement import to_flint
-from lmic.polynomials import MatrixPolynomial, homogeneous_exponents
 
 Array: TypeAlias = NDArray[Any]
 Vertex: TypeAlias = tuple[flint.fmpq, ...]

@@ -15,11 +15,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic.assemble import ConicProblem
 from lmic.certify.definite import is_positive_definite
 from lmic.certify.finite import FiniteProblem
 from lmic.certify.interior import inner_dual, inner_point
 from lmic.certify.statement import fractions, from_flint, to_flint
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import CertificateError
 from lmic.pipeline import Result
 from lmic.solve.clarabel import Clarabel

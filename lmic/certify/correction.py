@@ -17,7 +17,7 @@ import scipy.linalg
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.certify.balls import middle
 from lmic.certify.finite import FiniteLMI, FiniteProblem
 from lmic.certify.lower import misses

@@ -13,12 +13,12 @@ import sympy as sp
 from numpy.typing import NDArray
 from sympy.printing.str import StrPrinter
 
-from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.errors import CertificateError, PlantError
+from lmic.plants.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.plants.expressions import quoted
 from lmic.plants.files import plant_of_tables
 from lmic.plants.plant import Plant
-from lmic.polynomials import MatrixPolynomial
 
 Array: TypeAlias = NDArray[Any]
 

@@ -19,14 +19,14 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.certify import polytopes
 from lmic.certify.bernstein import PRECISION, Cell, Coefficients, Form, Vertex
 from lmic.certify.definite import decide, is_positive_definite, proves_positive_definite
 from lmic.certify.polytopes import Point, polytope
-from lmic.domains import Bounds, BoxDomain, Domain, Motion
 from lmic.errors import CertificateError
 from lmic.language.parameters import NEXT, Parameter, instance_symbol, rate_symbol
-from lmic.polynomials import MatrixPolynomial
+from lmic.plants.domains import Bounds, BoxDomain, Domain, Motion
 
 Array: TypeAlias = NDArray[Any]
 

@@ -19,7 +19,7 @@ import scipy.linalg
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.certify.correction import PRECISION, corrected, svec_columns
 from lmic.certify.definite import is_positive_definite
 from lmic.certify.document import decimal_above

@@ -14,7 +14,6 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from lmic import __version__, library
-from lmic.assemble import ConicProblem
 from lmic.certify import document
 from lmic.certify.candidates import (
     DualCandidate,
@@ -29,6 +28,7 @@ from lmic.certify.region import region
 from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import UnprovenError, point, proven
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import CertificateError, Place
 from lmic.index import plants
 from lmic.language.theorem import Theorem
@@ -71,7 +71,7 @@ def blank(
 
 
 def exact_scalars(plant: Plant, theorem: Theorem, given: Mapping[str, Any]) -> dict[str, Fraction]:
-    """Exact values of the given scalars and the plant's, as :func:`lmic.bind.scalar_values` has them in floats."""
+    """Exact values of the given scalars and the plant's, of which the compiler's ``scalar_values`` takes floats."""
     values = {name: exact_number(value) for name, value in given.items()}
     missing = sorted({symbol.name for symbol in theorem.givens} - set(values))
     if missing:

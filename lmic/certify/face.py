@@ -20,11 +20,11 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.algebra.integer_bases import free_rows, integer_complement
 from lmic.certify.balls import PRECISION, is_zero
 from lmic.certify.definite import inverse_factor
 from lmic.certify.finite import FiniteLMI, FiniteProblem
 from lmic.errors import CertificateError
-from lmic.integer_bases import free_rows, integer_complement
 
 Array: TypeAlias = NDArray[Any]
 

@@ -19,12 +19,12 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials
 from lmic.certify import taylor
 from lmic.certify.balls import PRECISION, ball, balls, has_balls, is_zero
 from lmic.certify.sparse import Monomial, SparsePolynomial, dense_monomials, listed
 from lmic.certify.statement import Statement, is_coordinate
 from lmic.errors import CertificateError
-from lmic.polynomials import MatrixPolynomial, Monomials
 
 Array: TypeAlias = NDArray[Any]
 Powers: TypeAlias = tuple[int, ...]

@@ -13,9 +13,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.assemble import ConicProblem
+from lmic.algebra import svec
 from lmic.certify.statement import fractions, from_flint, to_flint
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import CertificateError
 from lmic.solve import scaling
 from lmic.solve.clarabel import Clarabel

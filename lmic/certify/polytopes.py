@@ -8,8 +8,8 @@ from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
 
-from lmic.domains import Bounds, BoxDomain, Domain, SimplexDomain
 from lmic.errors import CertificateError
+from lmic.plants.domains import Bounds, BoxDomain, Domain, SimplexDomain
 
 Point: TypeAlias = tuple[Fraction, ...]
 

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from lmic.bind import Binding
 from lmic.certify.certificate import Certificate
 from lmic.certify.ends import blank, lower_only, proven_or_point
 from lmic.certify.verify import BUDGET
+from lmic.compiler.bind import Binding
 from lmic.errors import CertificateError, LmicError, Place
 from lmic.pipeline import Result, finish, run
 from lmic.relax.grid import Grid, grid_points

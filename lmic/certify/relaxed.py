@@ -8,11 +8,11 @@ from itertools import product
 
 import numpy as np
 
-from lmic.assemble import ConicProblem
+from lmic.algebra.polynomials import homogeneous_exponents
 from lmic.certify.domain import ProofDomain
 from lmic.certify.finite import Coefficient, Functional
-from lmic.domains import BoxDomain, Domain, SimplexDomain
-from lmic.polynomials import homogeneous_exponents
+from lmic.compiler.assemble import ConicProblem
+from lmic.plants.domains import BoxDomain, Domain, SimplexDomain
 from lmic.relax.family import AxisRelaxation, LMIFamily
 from lmic.relax.grid import Grid, grid_points
 from lmic.relax.relax import Relaxation, chosen_grid

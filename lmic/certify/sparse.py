@@ -16,8 +16,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import sympy as sp
 
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials, scalar_terms, union
 from lmic.errors import CertificateError
-from lmic.polynomials import MatrixPolynomial, Monomials, scalar_terms, union
 
 #: atoms with their powers; the empty set is the constant 1
 Monomial: TypeAlias = frozenset[tuple[sp.Expr, int]]

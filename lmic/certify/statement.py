@@ -19,6 +19,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.certify.sparse import Monomial, SparsePolynomial, Terms
 from lmic.errors import CertificateError, Place
 from lmic.language.lmi import LMI
@@ -41,8 +42,7 @@ from lmic.language.parameters import instance_symbol, rate_symbol
 from lmic.language.star import Star
 from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant
-from lmic.polynomials import MatrixPolynomial
-from lmic.sizes import solve_sizes
+from lmic.plants.sizes import solve_sizes
 
 Array: TypeAlias = NDArray[Any]
 #: an unknown's value: a matrix of fractions for each basis function

@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 import flint
 import sympy as sp
 
+from lmic.algebra.functions import ExponentialEntry
 from lmic.errors import CertificateError
-from lmic.functions import ExponentialEntry
 from lmic.plants.expressions import Where
 
 #: a polynomial with ball coefficients, by exponents

@@ -18,6 +18,7 @@ import numpy as np
 import sympy as sp
 
 from lmic import library
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.certify import document
 from lmic.certify.balls import PRECISION, balls, has_balls
 from lmic.certify.certificate import Certificate, Lower, Standing, Upper
@@ -31,7 +32,6 @@ from lmic.certify.statement import Statement, to_flint
 from lmic.errors import CertificateError, LmicError, Place
 from lmic.language.theorem import Theorem
 from lmic.plants.files import read_plant
-from lmic.polynomials import MatrixPolynomial
 
 #: cells of the domain over all LMIs that a proof may take
 BUDGET = 20_000

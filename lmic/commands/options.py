@@ -12,13 +12,13 @@ import click
 from lmic.errors import LmicError
 
 if TYPE_CHECKING:
-    from lmic.assemble import ConicProblem
-    from lmic.bind import Binding
+    from lmic.analysis.sampling import Gain
+    from lmic.compiler.assemble import ConicProblem
+    from lmic.compiler.bind import Binding
     from lmic.language.theorem import Theorem
     from lmic.plants.plant import Plant
     from lmic.relax.grid import Grid
     from lmic.relax.relax import Relaxation
-    from lmic.sampling import Gain
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -113,8 +113,8 @@ class Choices:
 
     def relaxation(self, plant: Plant) -> Relaxation:
         """The relaxation that the options ask for; a covering takes its domain and matrix from the plant."""
+        from lmic.analysis.sampling import cover
         from lmic.relax.relax import Relaxation
-        from lmic.sampling import cover
 
         grid = {name: _grid(name, value) for name, value in _pairs(self.grid, "--grid").items()}
         covered = {name: cover(plant, _gain(value), name).grid for name, value in _pairs(self.cover, "--cover").items()}
@@ -175,7 +175,7 @@ def degrees(texts: Sequence[str]) -> dict[str, int] | int:
 
 def dependences(texts: Sequence[str]) -> dict[str, Any]:
     """``["P1=2", "H=constant", "P=1; rho1; rho1**2"]``."""
-    from lmic.bases import read_choice
+    from lmic.compiler.bases import read_choice
 
     return {name: read_choice(value) for name, value in _pairs(texts, "--dependence").items()}
 
@@ -190,7 +190,7 @@ def _grid(name: str, text: str) -> Grid:
 
 
 def _gain(text: str) -> Gain:
-    from lmic.sampling import Gain
+    from lmic.analysis.sampling import Gain
 
     if text not in list(Gain):
         raise LmicError(f"'{text}' after --cover is no gain; use {' or '.join(Gain)}")

@@ -20,9 +20,9 @@ from lmic.errors import LmicError
 from lmic.interchange.formats import read_problem
 from lmic.interchange.reporting import file_record, print_file
 from lmic.pipeline import run
-from lmic.search import search_scalar
 from lmic.solve.cone import ConeSolver, Status
 from lmic.solve.solve import solve
+from lmic.sweeps.search import search_scalar
 
 
 def solve_theorem(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
-from lmic.bases import Choice
+from lmic.compiler.bases import Choice
 from lmic.diagnosis.advice import advice
 from lmic.diagnosis.distance import Distance, distance
 from lmic.diagnosis.growth import Bounds, growth

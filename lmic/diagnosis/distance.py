@@ -15,8 +15,8 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.assemble import ConicProblem
+from lmic.algebra import svec
+from lmic.compiler.assemble import ConicProblem
 from lmic.diagnosis.shares import Shares, shares_of
 from lmic.solve.cone import ConeSolver
 from lmic.solve.scaling import slack_matrices

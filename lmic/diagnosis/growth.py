@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.solve import scaling
 from lmic.solve.attainment import RADII, bounded
 from lmic.solve.cone import ConeData, ConeSolver

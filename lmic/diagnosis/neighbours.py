@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
 
-from lmic.assemble import ConicProblem
-from lmic.bases import DEFAULT, Choice
+from lmic.compiler.assemble import ConicProblem
+from lmic.compiler.bases import DEFAULT, Choice
 from lmic.errors import LmicError
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result, compile, run

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.solve.lineality import lineality
 
 #: parts of a direction that are named, and the share of its largest from which one counts

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import scipy.io
 
-from lmic.domains import vertex_points
 from lmic.errors import FormatError, Place, RecoveryError
 from lmic.files import write_whole
+from lmic.plants.domains import vertex_points
 from lmic.typeset import numbers
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import FormatError, LmicError
 from lmic.files import read_at_most, write_whole
 from lmic.interchange.cbf import read_cbf, write_cbf

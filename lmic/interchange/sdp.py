@@ -17,8 +17,8 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.assemble import ConicProblem
+from lmic.algebra import svec
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import FormatError
 
 Array: TypeAlias = NDArray[Any]

@@ -1,7 +1,7 @@
 """Matrix expressions over symbolic dimensions, kept as written.
 
 These are sympy matrix expressions that neither reorder nor simplify: a sum prints in the order
-of the paper, a product stays a product. Shapes are not checked here but in :mod:`lmic.lower`,
+of the paper, a product stays a product. Shapes are not checked here but in :mod:`lmic.compiler.lower`,
 where the theorem, LMI and block can be named.
 """
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from lmic.pages.site import render
 
 if TYPE_CHECKING:
-    from lmic.assemble import ConicProblem
+    from lmic.compiler.assemble import ConicProblem
     from lmic.language.theorem import Theorem
     from lmic.pipeline import Result
 

@@ -8,11 +8,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.analysis.margins import Margin
 from lmic.analysis.spectra import Spectra
 from lmic.analysis.walk import Chart, Walk
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.pages.figures import BLUE, INK, RED, SOFT, Figure, drawn, symbol
 from lmic.relax.family import LMIFamily
 from lmic.simulate.trajectory import Trajectory

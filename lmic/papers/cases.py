@@ -10,12 +10,12 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from lmic.analysis.sampling import Gain
 from lmic.errors import LibraryError
 from lmic.library import root
 from lmic.papers.signals import Uniform
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
-from lmic.sampling import Gain
 
 
 @dataclass(frozen=True)

@@ -11,21 +11,21 @@ from typing import Any
 import numpy as np
 
 from lmic.analysis.norms import frozen_gain, frozen_peak
+from lmic.analysis.sampling import cover
 from lmic.certify.certificate import Certificate, Standing
 from lmic.certify.certify import certify
 from lmic.certify.document import float_above, float_below
 from lmic.certify.refine import certify_domain
-from lmic.domains import vertex_points
 from lmic.language.systems import DelaySystem, DiscreteSystem, FornasiniMarchesini
 from lmic.library import theorem
 from lmic.papers.cases import Case, CaseTable, Curve, Simulation
 from lmic.papers.enclosures import Enclosure, proven, stored
 from lmic.papers.signals import signal, trajectory_of
 from lmic.pipeline import Result, compile, lower_reports, prepare, run
+from lmic.plants.domains import vertex_points
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
-from lmic.sampling import cover
 from lmic.simulate.discrete import simulate_discrete
 from lmic.simulate.plane import simulate_plane
 from lmic.simulate.trajectory import Trajectory

@@ -10,8 +10,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import atom_values
 from lmic.plants.expressions import parse
-from lmic.polynomials import atom_values
 
 Array: TypeAlias = NDArray[Any]
 

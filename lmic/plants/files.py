@@ -74,16 +74,16 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
+from lmic.algebra.functions import exponential
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.errors import DomainError, LmicError, PlantError
 from lmic.files import read_at_most
-from lmic.functions import exponential
 from lmic.index import plants
+from lmic.plants.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.plants.expressions import RESERVED, Budget, decimal, parse, quoted, quotient, size
 from lmic.plants.fractional import FractionalForm, fractional_plant
 from lmic.plants.matlab import read_arrays
 from lmic.plants.plant import Plant, exact_number, vertex_polynomial
-from lmic.polynomials import MatrixPolynomial
 
 Array: TypeAlias = NDArray[Any]
 

@@ -32,11 +32,11 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic.domains import SimplexDomain
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials
 from lmic.errors import PlantError
+from lmic.plants.domains import SimplexDomain
 from lmic.plants.expressions import quoted
 from lmic.plants.plant import Plant
-from lmic.polynomials import MatrixPolynomial, Monomials
 
 Array: TypeAlias = NDArray[Any]
 #: places of components of α, ascending

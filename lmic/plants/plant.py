@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from lmic.domains import Domain, Motion, SimplexDomain
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials
 from lmic.errors import PlantError
+from lmic.plants.domains import Domain, Motion, SimplexDomain
 from lmic.plants.expressions import quoted, rational
-from lmic.polynomials import MatrixPolynomial, Monomials
 
 
 @dataclass(frozen=True)

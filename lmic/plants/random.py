@@ -8,10 +8,10 @@ from fractions import Fraction
 import numpy as np
 import sympy as sp
 
-from lmic.domains import BoxDomain, Domain, Motion, SimplexDomain
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials
 from lmic.language.theorem import Theorem
+from lmic.plants.domains import BoxDomain, Domain, Motion, SimplexDomain
 from lmic.plants.plant import Plant
-from lmic.polynomials import MatrixPolynomial, Monomials
 
 
 def random_plant(

@@ -12,8 +12,8 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.parametric import ParametricLMI
+from lmic.algebra import svec
+from lmic.compiler.parametric import ParametricLMI
 
 Array: TypeAlias = NDArray[Any]
 

@@ -11,10 +11,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import Monomials, homogeneous_exponents
 from lmic.errors import LmicError, RelaxationError
 from lmic.plants.expressions import quoted, whole_number
 from lmic.plants.plant import exact_number
-from lmic.polynomials import Monomials, homogeneous_exponents
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.space import Axis
 

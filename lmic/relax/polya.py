@@ -16,8 +16,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import Monomials, homogeneous_exponents
 from lmic.errors import RelaxationError
-from lmic.polynomials import Monomials, homogeneous_exponents
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.space import Axis
 

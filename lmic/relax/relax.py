@@ -13,11 +13,11 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.bind import Binding
+from lmic.algebra import svec
+from lmic.algebra.polynomials import Monomials
+from lmic.compiler.bind import Binding
+from lmic.compiler.parametric import ParametricLMI
 from lmic.errors import RelaxationError
-from lmic.parametric import ParametricLMI
-from lmic.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, LMIFamily
 from lmic.relax.grid import Grid, check_grid, grid
 from lmic.relax.polya import polya

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from lmic.bind import Binding
-from lmic.domains import Bounds, BoxDomain, Domain, joint_step, rate_polytope
+from lmic.compiler.bind import Binding
 from lmic.errors import DomainError, Place
 from lmic.language.parameters import NEXT, Parameter, instance_symbol, rate_symbol
+from lmic.plants.domains import Bounds, BoxDomain, Domain, joint_step, rate_polytope
 
 
 @dataclass(frozen=True)

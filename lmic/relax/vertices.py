@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lmic.polynomials import Monomials
+from lmic.algebra.polynomials import Monomials
 from lmic.relax.family import AxisRelaxation, Soundness
 from lmic.relax.space import Axis
 

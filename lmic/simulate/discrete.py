@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lmic.language.systems import DelaySystem, DiscreteSystem
-from lmic.recover import Design
+from lmic.recover.recover import Design
 
 Array: TypeAlias = NDArray[Any]
 

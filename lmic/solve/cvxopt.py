@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.solve.cone import ConeAnswer, ConeData, Status, no_answer
 
 Array: TypeAlias = NDArray[Any]

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.solve.cone import ConeSolver, Status
 from lmic.solve.passes import PASSES, TRUSTED_VIOLATION
 from lmic.solve.scaling import slack_matrices

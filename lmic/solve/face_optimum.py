@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.solve.cone import ConeData, ConeSolver
 from lmic.solve.recession import Reduction
 from lmic.solve.scaling import initial, slack_matrices

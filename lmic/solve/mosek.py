@@ -12,7 +12,7 @@ import mosek
 import numpy as np
 import scipy.sparse as sps
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.errors import SolverError
 from lmic.solve.cone import ConeAnswer, ConeData, Status, no_answer
 

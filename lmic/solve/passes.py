@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.solve import scaling
 from lmic.solve.cone import ConeAnswer, ConeData, ConeSolver, Status
 from lmic.solve.face_optimum import FaceOptimum

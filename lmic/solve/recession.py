@@ -19,8 +19,8 @@ import scipy.linalg
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.integer_bases import free_rows, integer_complement
+from lmic.algebra import svec
+from lmic.algebra.integer_bases import free_rows, integer_complement
 from lmic.solve.cone import ConeData, ConeSolver
 from lmic.solve.lineality import Lineality, lineality
 from lmic.solve.scaling import initial, slack_matrices

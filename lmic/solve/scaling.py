@@ -16,7 +16,7 @@ import scipy.linalg
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.solve.cone import ConeData
 
 Array: TypeAlias = NDArray[Any]

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sps
 import scs
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.solve.cone import ConeAnswer, ConeData, Status
 
 _STATUS = {

@@ -22,7 +22,7 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.certify.finite import FiniteProblem
 from lmic.errors import LmicError
 from lmic.solve.cone import ConeAnswer, ConeData, Status

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from numpy.typing import NDArray
 
-from lmic.assemble import ConicProblem
+from lmic.compiler.assemble import ConicProblem
 from lmic.errors import SolverError
 from lmic.solve.attainment import with_attainment
 from lmic.solve.cone import ConeProblem, ConeSolver, Status

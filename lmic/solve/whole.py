@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.solve import scaling
 from lmic.solve.cone import ConeData, ConeProblem, ConeSolver, Status
 from lmic.solve.lineality import lineality

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lmic.bases import Choice, read_choice
+from lmic.compiler.bases import Choice, read_choice
 from lmic.errors import LmicError, SweepError
 from lmic.plants.expressions import whole_number
 from lmic.plants.plant import Plant, exact_number

@@ -9,8 +9,8 @@ from itertools import islice, product
 from math import prod
 from typing import Any, TypeAlias
 
-from lmic.bases import Choice
-from lmic.bind import scalar_values
+from lmic.compiler.bases import Choice
+from lmic.compiler.bind import scalar_values
 from lmic.errors import Place, SweepError
 from lmic.fingerprint import digest, plant_data, statement
 from lmic.language.theorem import Theorem

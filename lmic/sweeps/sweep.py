@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lmic.bases import Choice
+from lmic.compiler.bases import Choice
 from lmic.errors import SweepError
 from lmic.interrupts import keeping
 from lmic.language.theorem import Theorem

@@ -9,10 +9,10 @@ from math import isfinite
 from time import perf_counter
 from typing import Any
 
-from lmic.bind import Binding
+from lmic.compiler.bind import Binding
 from lmic.pipeline import Result, finish, prepare, run
-from lmic.search import search_scalar
 from lmic.sweeps.plan import Key, Line
+from lmic.sweeps.search import search_scalar
 
 #: seconds after which a line is handed back, so that what is done is kept and the rest is shared out again
 PATIENCE = 6.0

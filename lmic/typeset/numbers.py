@@ -10,7 +10,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from lmic.certify.document import decimal, decimal_above, decimal_below
-from lmic.domains import vertex_points
+from lmic.plants.domains import vertex_points
 
 if TYPE_CHECKING:
     from lmic.certify.certificate import Certificate

@@ -11,12 +11,12 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic.bases import DEFAULT, Choice, basis_functions
-from lmic.domains import Domain
+from lmic.algebra.polynomials import MatrixPolynomial, row_polynomial
+from lmic.compiler.bases import DEFAULT, Choice, basis_functions
 from lmic.errors import BasisError, Place
 from lmic.language.nodes import Leaf
 from lmic.language.theorem import Theorem
-from lmic.polynomials import MatrixPolynomial, row_polynomial
+from lmic.plants.domains import Domain
 
 Array: TypeAlias = NDArray[Any]
 

@@ -21,7 +21,7 @@ from sympy.polys.orderings import lex
 from sympy.polys.polyutils import dict_from_expr
 from sympy.polys.rings import PolyRing
 
-from lmic.functions import ExponentialEntry, replaced_entries
+from lmic.algebra.functions import ExponentialEntry, replaced_entries
 
 Array: TypeAlias = NDArray[Any]
 Atom: TypeAlias = sp.Expr

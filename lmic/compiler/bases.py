@@ -9,10 +9,10 @@ from typing import Any, TypeAlias
 import numpy as np
 import sympy as sp
 
-from lmic.domains import Domain
+from lmic.algebra.polynomials import atom_values
 from lmic.errors import BasisError
+from lmic.plants.domains import Domain
 from lmic.plants.expressions import parse, whole_number
-from lmic.polynomials import atom_values
 
 #: a polynomial degree, "constant", or the basis functions themselves
 Choice: TypeAlias = int | str | Sequence[str | sp.Expr]

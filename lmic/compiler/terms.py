@@ -8,13 +8,13 @@ from typing import TypeAlias
 
 import sympy as sp
 
+from lmic.compiler.expand import Factor, Factors, Selector, Stacked, canonical
+from lmic.compiler.lower import SymbolicLMI
 from lmic.errors import NotAffineError, Place
-from lmic.expand import Factor, Factors, Selector, Stacked, canonical
 from lmic.faults import Checked, collect, demand
 from lmic.language.declarations import ScalarUnknown
 from lmic.language.nodes import Inverse, Node
 from lmic.language.theorem import Theorem
-from lmic.lower import SymbolicLMI
 
 Size: TypeAlias = sp.Expr
 AffineParts: TypeAlias = tuple[sp.Expr, Mapping[ScalarUnknown, sp.Expr]]

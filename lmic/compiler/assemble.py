@@ -11,9 +11,9 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic.bind import Binding
-from lmic.columns import stacked
-from lmic.layout import Layout
+from lmic.compiler.bind import Binding
+from lmic.compiler.columns import stacked
+from lmic.compiler.layout import Layout
 from lmic.relax.family import LMIFamily, Soundness
 from lmic.relax.relax import Relaxation
 

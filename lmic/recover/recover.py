@@ -11,14 +11,14 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic.assemble import ConicProblem
-from lmic.bind import Binding
+from lmic.algebra.polynomials import MatrixPolynomial
+from lmic.compiler.assemble import ConicProblem
+from lmic.compiler.bind import Binding
 from lmic.errors import DomainError, Place
-from lmic.evaluate import evaluate
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import instance_symbol
 from lmic.language.systems import System
-from lmic.polynomials import MatrixPolynomial
+from lmic.recover.evaluate import evaluate
 
 Array: TypeAlias = NDArray[Any]
 
@@ -47,9 +47,9 @@ class Design:
     def state_spaces(self, **parameters: Any) -> list[Any]:
         """The recovered filter or controller as a ``control.StateSpace`` at each parameter value.
 
-        See :func:`lmic.statespace.state_spaces`; calling the design gives the same matrices as plain arrays.
+        See :func:`lmic.recover.statespace.state_spaces`; calling the design gives the same matrices as plain arrays.
         """
-        from lmic.statespace import state_spaces
+        from lmic.recover.statespace import state_spaces
 
         return state_spaces(self, **parameters)
 

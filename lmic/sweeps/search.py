@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lmic.bind import Binding
+from lmic.compiler.bind import Binding
 from lmic.errors import LmicError, Place
 from lmic.interrupts import keeping
 from lmic.pipeline import Result, finish, run

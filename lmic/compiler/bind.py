@@ -17,22 +17,22 @@ import scipy.sparse as sps
 import sympy as sp
 from numpy.typing import NDArray
 
-from lmic import svec
-from lmic.bases import Choice
-from lmic.domains import Domain
+from lmic.algebra import svec
+from lmic.algebra.polynomials import MatrixPolynomial, Monomials, row_polynomial, scalar_polynomial
+from lmic.compiler.bases import Choice
+from lmic.compiler.expand import Factor, Factors, Selector, Stacked, canonical
+from lmic.compiler.layout import Layout, UnknownLayout, combination, make_layout
+from lmic.compiler.parametric import ParametricLMI
+from lmic.compiler.terms import Term, TermList, objective
 from lmic.errors import DomainError, Place, PlantError
-from lmic.expand import Factor, Factors, Selector, Stacked, canonical
 from lmic.faults import Checked, demand
 from lmic.language.nodes import Inverse, Leaf
 from lmic.language.parameters import Parameter, instance_symbol, rate_symbol
 from lmic.language.theorem import Theorem
-from lmic.layout import Layout, UnknownLayout, combination, make_layout
 from lmic.memory import Kept
-from lmic.parametric import ParametricLMI
+from lmic.plants.domains import Domain
 from lmic.plants.plant import Plant, exact_number
-from lmic.polynomials import MatrixPolynomial, Monomials, row_polynomial, scalar_polynomial
-from lmic.sizes import solve_sizes
-from lmic.terms import Term, TermList, objective
+from lmic.plants.sizes import solve_sizes
 
 Array: TypeAlias = NDArray[Any]
 
@@ -71,7 +71,7 @@ def bind(
 ) -> Binding:
     """Bind a plant's data and the dependence of the unknowns to a theorem's terms.
 
-    ``dependence`` maps an unknown's name to a :data:`lmic.bases.Choice`; ``sizes`` fixes
+    ``dependence`` maps an unknown's name to a :data:`lmic.compiler.bases.Choice`; ``sizes`` fixes
     dimensions that no matrix of the plant determines. The given scalars stay symbolic.
     """
     shape = _shapes.get(

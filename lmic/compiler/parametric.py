@@ -11,8 +11,8 @@ import scipy.sparse as sps
 import sympy as sp
 from numpy.typing import NDArray
 
+from lmic.algebra.polynomials import Monomials
 from lmic.errors import Place
-from lmic.polynomials import Monomials
 
 Array: TypeAlias = NDArray[Any]
 
@@ -21,7 +21,7 @@ Array: TypeAlias = NDArray[Any]
 class ParametricLMI:
     """F(θ, x) = Σ_m monomials[m](θ) · F_m(x) ≻ 0.
 
-    Entry p of the pattern is the packed matrix entry ``rows[p]`` (see ``lmic.svec``) of the
+    Entry p of the pattern is the packed matrix entry ``rows[p]`` (see ``lmic.algebra.svec``) of the
     coefficient of x[``columns[p]`` - 1], or of the constant F_m0 where ``columns[p]`` is 0.
     ``coefficients`` is a sparse monomials x pattern array.
     """

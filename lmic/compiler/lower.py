@@ -9,8 +9,8 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
+from lmic.compiler.expand import canonical
 from lmic.errors import AsymmetryError, DefinitionError, Place, ShapeError
-from lmic.expand import canonical
 from lmic.faults import Checked, demand
 from lmic.language.lmi import LMI
 from lmic.language.nodes import (

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
 
-from lmic import svec
+from lmic.algebra import svec
 from lmic.relax.family import LMIFamily
 
 Array: TypeAlias = NDArray[Any]

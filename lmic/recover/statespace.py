@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lmic.errors import Place, RecoveryError
 from lmic.language.systems import ContinuousSystem, DelaySystem, DiscreteSystem
-from lmic.recover import Design
+from lmic.recover.recover import Design
 
 Array: TypeAlias = NDArray[Any]
 

@@ -1,0 +1,1 @@
+"""Stage 8, recover: what was designed, as matrices and systems for each value of the parameter."""
