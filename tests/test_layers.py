@@ -15,6 +15,8 @@ from documents import ROOT
 OUTSIDE = {"analysis", "authoring", "cli", "commands", "diagnosis", "pages", "papers", "reporting", "sweeps", "typeset"}
 #: what the stages are made of, from the words of a theorem to the certificate
 STAGES = ("language", "plants", "algebra", "compiler", "relax", "solve", "certify", "recover")
+#: each is made of what stands before it; compiling and relaxing take turns
+ORDER = [("algebra", "language"), ("plants",), ("compiler", "relax"), ("solve", "recover"), ("pipeline",), ("certify",)]
 MODULES = [
     *(path for room in STAGES for path in sorted((ROOT / "lmic" / room).glob("*.py"))),
     ROOT / "lmic" / "pipeline.py",
@@ -33,6 +35,13 @@ def imported(path: Path) -> Iterator[str]:
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_a_stage_imports_nothing_that_looks_at_it(path: Path) -> None:
     assert not OUTSIDE & set(imported(path))
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_a_stage_imports_no_later_one(path: Path) -> None:
+    own = path.relative_to(ROOT / "lmic").with_suffix("").parts[0]
+    place = next(place for place, rooms in enumerate(ORDER) if own in rooms)
+    assert not {room for rooms in ORDER[place + 1 :] for room in rooms} & set(imported(path))
 
 
 def test_verifying_a_certificate_loads_no_solver_and_nothing_that_compiles() -> None:

@@ -12,6 +12,7 @@ from test_solve import REFERENCE
 from lmic import library
 from lmic.certify.definite import is_positive_definite
 from lmic.certify.finite import FiniteLMI, FiniteProblem
+from lmic.certify.precise import solve_precisely
 from lmic.certify.statement import to_flint
 from lmic.errors import LmicError
 from lmic.pipeline import compile, run
@@ -43,7 +44,7 @@ def hyperbola(scale: Fraction) -> FiniteProblem:
 @pytest.mark.parametrize("scale", [Fraction(1), Fraction(1, 3), Fraction(7, 10)])
 def test_the_optimum_has_thirty_digits(scale: Fraction) -> None:
     problem = hyperbola(scale)
-    answer = sdpa.solve_precisely(problem)
+    answer = solve_precisely(problem)
     assert answer.status is Status.SOLVED
     assert not answer.rounded
     assert answer.x[1] == 0
@@ -56,7 +57,7 @@ def test_the_optimum_has_thirty_digits(scale: Fraction) -> None:
 
 @needs_sdpa
 def test_data_longer_than_a_double_are_said_to_be_rounded() -> None:
-    assert sdpa.solve_precisely(hyperbola(Fraction(1, 3**40))).rounded
+    assert solve_precisely(hyperbola(Fraction(1, 3**40))).rounded
 
 
 @needs_sdpa
@@ -87,7 +88,7 @@ def test_it_serves_where_any_cone_solver_does(example_1: Plant) -> None:
 @needs_sdpa
 def test_the_slack_a_hair_above_the_optimum_is_positive_definite() -> None:
     problem = hyperbola(Fraction(1, 3))
-    x = list(sdpa.solve_precisely(problem).x)
+    x = list(solve_precisely(problem).x)
     lmi = problem.lmis[0]
     assert is_positive_definite(to_flint(lmi.at([x[0] + Fraction(1, 10**30), x[1]])))
     assert not is_positive_definite(to_flint(lmi.at([x[0] - Fraction(1, 10**30), x[1]])))
@@ -105,10 +106,10 @@ def _versions(monkeypatch: pytest.MonkeyPatch, present: set[str]) -> None:
 def test_without_the_extra_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     _versions(monkeypatch, set())
     with pytest.raises(LmicError, match=r"pip install 'lmic\[multiprecision\]'"):
-        sdpa.solve_precisely(hyperbola(Fraction(1)))
+        solve_precisely(hyperbola(Fraction(1)))
 
 
 def test_the_other_package_of_the_same_module_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     _versions(monkeypatch, {"sdpa-multiprecision", "sdpa-python"})
     with pytest.raises(LmicError, match="sdpa-python and sdpa-multiprecision install the same module"):
-        sdpa.solve_precisely(hyperbola(Fraction(1)))
+        solve_precisely(hyperbola(Fraction(1)))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from lmic.certify.definite import is_positive_definite
 from lmic.certify.finite import FiniteProblem
 from lmic.certify.interior import inner_dual, inner_point
+from lmic.certify.precise import solve_precisely
 from lmic.certify.statement import fractions, from_flint, to_flint
 from lmic.compiler.assemble import ConicProblem
 from lmic.errors import CertificateError
@@ -29,7 +30,7 @@ from lmic.solve.face_optimum import SHARES as INSIDE
 from lmic.solve.face_optimum import FaceOptimum
 from lmic.solve.lineality import lineality
 from lmic.solve.scaling import slack_matrices
-from lmic.solve.sdpa import PACKAGE, solve_precisely
+from lmic.solve.sdpa import PACKAGE
 from lmic.solve.solution import Solution
 from lmic.solve.whole import margin
 

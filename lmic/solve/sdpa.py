@@ -1,7 +1,6 @@
 """SDPA in 200-bit arithmetic, for problems that double precision does not solve (optional extra).
 
-SDPA reads doubles. Each LMI is therefore multiplied by its common denominator, which leaves the
-data exact where they are short enough; the answer is read at full length from SDPA's result file.
+SDPA reads doubles; its answer is read at full length from its result file.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib import import_module, metadata
-from math import lcm
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
@@ -23,15 +21,10 @@ import scipy.sparse as sps
 from numpy.typing import NDArray
 
 from lmic.algebra import svec
-from lmic.certify.finite import FiniteProblem
 from lmic.errors import LmicError
 from lmic.solve.cone import ConeAnswer, ConeData, Status
-from lmic.solve.lineality import lineality
 
 Array: TypeAlias = NDArray[Any]
-
-#: integers up to this are doubles
-EXACT = 2**53
 
 PACKAGE = "sdpa-multiprecision"
 _DIGITS = "%+.70Fe"
@@ -67,22 +60,7 @@ _STATUS = {
 
 
 @dataclass(frozen=True)
-class PreciseAnswer:
-    """The unknowns ``x`` and the dual matrix of each LMI, with all the digits that SDPA has.
-
-    ``rounded`` says whether data had to be rounded to doubles. ``word`` is SDPA's own.
-    """
-
-    status: Status
-    x: list[Fraction]
-    duals: list[flint.fmpq_mat]
-    iterations: int
-    word: str
-    rounded: bool
-
-
-@dataclass(frozen=True)
-class _Block:
+class Block:
     """An LMI in doubles: value in (row, col), row ≤ col, of the matrix of ``columns``; column 0 is the constant."""
 
     order: int
@@ -93,7 +71,9 @@ class _Block:
 
 
 @dataclass(frozen=True)
-class _Answer:
+class Answer:
+    """The unknowns, each LMI and its dual matrix, with all the digits that SDPA has; ``word`` is its own."""
+
     x: list[Fraction]
     slacks: list[flint.fmpq_mat]
     duals: list[flint.fmpq_mat]
@@ -102,6 +82,7 @@ class _Answer:
 
     @property
     def status(self) -> Status:
+        """What SDPA's word says."""
         return _STATUS.get(self.word, Status.FAILED)
 
 
@@ -115,7 +96,7 @@ class SDPA:
 
     def __call__(self, data: ConeData, rough: bool = False) -> ConeAnswer:
         """Solve the cone problem; its doubles are taken as they are, less the rounding of svec's √2."""
-        answer = _solve(data.cost, _blocks(data), {**(_ROUGH if rough else {}), **self.options})
+        answer = solve_blocks(data.cost, _blocks(data), {**(_ROUGH if rough else {}), **self.options})
         return ConeAnswer(
             answer.status,
             np.array([float(value) for value in answer.x]),
@@ -126,34 +107,16 @@ class SDPA:
         )
 
 
-def solve_precisely(problem: FiniteProblem, **options: Any) -> PreciseAnswer:
-    """Solve an exact problem at 200 bits; unknowns that no LMI sees are zero. Raises LmicError without SDPA."""
-    denominators = [_denominator(lmi.values) for lmi in problem.lmis]
-    scaled = [lmi.values * factor for lmi, factor in zip(problem.lmis, denominators, strict=True)]
-    factor = _denominator(problem.cost)
-    cost = problem.cost * factor
-    rounded = any(abs(value) > EXACT for values in (cost, *scaled) for value in values)
-    blocks = [
-        _Block(lmi.order, lmi.columns, lmi.rows, lmi.cols, values.astype(float))
-        for lmi, values in zip(problem.lmis, scaled, strict=True)
-    ]
-    kept = lineality(_svec_columns(blocks, problem.size)).kept
-    answer = _solve(cost.astype(float)[kept], [_restricted(block, kept) for block in blocks], options)
-    x = [Fraction(0)] * problem.size
-    for place, value in zip(kept.tolist(), answer.x, strict=True):
-        x[place] = value
-    # the dual of the scaled LMI and the scaled cost, back in the problem's own
-    duals = [dual * flint.fmpq(d, factor) for dual, d in zip(answer.duals, denominators, strict=True)]
-    return PreciseAnswer(answer.status, x, duals, answer.iterations, answer.word, rounded)
-
-
 # The call -------------------------------------------------------------------------------------------
 
 
-def _solve(cost: Array, blocks: Sequence[_Block], options: Mapping[str, Any]) -> _Answer:
-    """SeDuMi's form: its y are our unknowns, its x our dual matrices."""
+def solve_blocks(cost: Array, blocks: Sequence[Block], options: Mapping[str, Any]) -> Answer:
+    """Minimise cost·x with every block positive semidefinite; ``options`` are SDPA's. Raises LmicError without SDPA.
+
+    SeDuMi's form: its y are our unknowns, its x our dual matrices.
+    """
     solve_sdpa, param, cone = _package()
-    matrices = [_full(block, len(cost)) for block in blocks]
+    matrices = [full(block, len(cost)) for block in blocks]
     stacked = sps.vstack(matrices, format="csc")
     with TemporaryDirectory() as directory:
         file = Path(directory) / "result"
@@ -168,7 +131,7 @@ def _solve(cost: Array, blocks: Sequence[_Block], options: Mapping[str, Any]) ->
         ctypes.CDLL(None).fflush(None)  # SDPA leaves the end of its file in the C library's buffer
         text = file.read_text()
     orders = [block.order for block in blocks]
-    return _Answer(
+    return Answer(
         _numbers(_section(text, "xVec")),
         _matrices(_numbers(_section(text, "xMat")), orders),
         _matrices(_numbers(_section(text, "yMat")), orders),
@@ -223,11 +186,7 @@ def _matrices(numbers: Sequence[Fraction], orders: Sequence[int]) -> list[flint.
 # Between the forms of a problem ---------------------------------------------------------------------
 
 
-def _denominator(values: Array) -> int:
-    return lcm(*(Fraction(value).denominator for value in values))
-
-
-def _full(block: _Block, size: int) -> sps.coo_array:
+def full(block: Block, size: int) -> sps.coo_array:
     """vec of the constant and of every unknown's matrix, as columns."""
     off = block.rows != block.cols
     places = np.concatenate([block.rows * block.order + block.cols, block.cols[off] * block.order + block.rows[off]])
@@ -236,21 +195,7 @@ def _full(block: _Block, size: int) -> sps.coo_array:
     return sps.coo_array((values, (places, columns)), shape=(block.order**2, size + 1))
 
 
-def _svec_columns(blocks: Sequence[_Block], size: int) -> sps.csc_array:
-    """The unknowns' columns of all LMIs, for their rank."""
-    parts = [sps.csc_array(_full(block, size))[:, 1:] for block in blocks]
-    return sps.csc_array(sps.vstack(parts))
-
-
-def _restricted(block: _Block, kept: Array) -> _Block:
-    """Only the columns of the unknowns ``kept``, numbered anew."""
-    chosen = np.concatenate([[0], 1 + kept])
-    used = np.isin(block.columns, chosen)
-    columns = np.searchsorted(chosen, block.columns[used])
-    return _Block(block.order, columns, block.rows[used], block.cols[used], block.values[used])
-
-
-def _blocks(data: ConeData) -> list[_Block]:
+def _blocks(data: ConeData) -> list[Block]:
     """The LMIs of a cone problem, √2 taken out."""
     stacked = sps.csr_array(sps.hstack([sps.csc_array(data.offset[:, None]), data.matrix]))
     found, start = [], 0
@@ -259,7 +204,7 @@ def _blocks(data: ConeData) -> list[_Block]:
         rows, cols = svec.triangle(order)
         packed, columns = part.coords
         values = part.data / svec.weights(order)[packed]
-        found.append(_Block(order, columns, rows[packed], cols[packed], values))
+        found.append(Block(order, columns, rows[packed], cols[packed], values))
         start += svec.length(order)
     return found
 
