@@ -244,6 +244,8 @@ def print_solution(solution: Solution, seconds: float, proof: str = "", notes: S
     where = f", largest at {solution.worst}" if solution.violation < 0 else ""
     out.print(f"violation   {abs(solution.violation):.1e} ({relative}){where}")
     out.print(f"uncertainty {solution.uncertainty:.1e} (gap, and what mending the violation costs; relative)")
+    if solution.on_face:
+        out.print("attained    not known: no dual matrix is positive definite, so unknowns may grow toward the infimum")
     out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
     return True
 
@@ -263,6 +265,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         "violation": solution.violation,
         "relative_violation": solution.relative_violation,
         "worst_lmi": solution.worst,
+        "attained": solution.attained,
         "lineality": solution.lineality,
         "warnings": list(solution.warnings),
     }

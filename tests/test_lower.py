@@ -253,7 +253,7 @@ def test_an_infimum_that_is_not_attained_is_enclosed() -> None:
     plant = read_plant(ROOT / "mustafa" / "example2.toml")
     relaxation = Relaxation(grid={"h": Grid.at([[0.05]])})
     result = run(compile(library.theorem("mustafa.theorem3"), plant, relaxation=relaxation))
-    assert not result.solution.attained
+    assert result.solution.attained is False
     found = certify(result, relaxation)
     assert found.lower and found.upper
     assert found.lower.radius

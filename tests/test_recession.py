@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from lmic.algebra import svec
 from lmic.algebra.integer_bases import integer_complement
+from lmic.interchange.sdp import sdp_of_entries
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData
 from lmic.solve.on_face import solve_on_face
 from lmic.solve.recession import reduction
 from lmic.solve.scaling import slack_matrices
+from lmic.solve.solve import solve
 
 Array = NDArray[Any]
 
@@ -116,6 +118,17 @@ def test_nested_faces_are_found_one_after_the_other() -> None:
     assert answer[0].step.violation == 0
     assert answer[0].on_face is not None
     assert len(answer[0].on_face.reduction.faces) == 2
+
+
+def test_a_number_that_is_known_well_is_not_said_to_be_attained() -> None:
+    """[[x, 1, 0], [1, x, 1], [0, 1, u]]: the infimum 1 of x² > 1 + x/u is that of u → ∞."""
+    entries = [(0, 0, 1, 1), (0, 1, 2, 1), (1, 0, 0, 1), (1, 1, 1, 1), (2, 2, 2, 1)]
+    unknown, row, column, value = map(np.array, zip(*entries, strict=True))
+    sdp = sdp_of_entries(np.array([1.0, 0.0]), 0.0, np.array([3]), [unknown, 0 * unknown, row, column, value])
+    found = solve(sdp, Clarabel())
+    assert found.value == pytest.approx(1, rel=1e-6)
+    assert not found.warnings
+    assert found.attained is None
 
 
 def test_an_lmi_that_grows_as_a_whole_is_left_out() -> None:

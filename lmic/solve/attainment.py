@@ -42,8 +42,10 @@ def with_attainment(problem: ConeProblem, found: Solution, solver: ConeSolver, p
         best, steps = passes_of(bounded(data, radius), solver, passes)
         reached = np.abs(best.x[data.cost == 0]).max(initial=0.0) >= REACHED * radius
         falls = not values or values[-1] - best.step.value > best.step.uncertainty * abs(best.step.value)
-        if not (best.answer.status.usable and reached and falls):
+        if not best.answer.status.usable:
             return found
+        if not (reached and falls):
+            return replace(found, attained=True)
         values.append(best.step.value)
     within = judged(problem, best, best.x, found.passes + steps, found.lineality, solver)
     shown = ", ".join(

@@ -54,7 +54,8 @@ class Solution:
     ``price`` estimates, from the dual, how much the objective rises when the violation is mended.
     ``violation`` is the most negative eigenvalue over all LMIs (0 if none is negative),
     ``relative_violation`` the same of every F scaled to unit diagonal slack; ``worst`` names that
-    LMI. ``attained`` is false where the objective falls with every bound on the unknowns that was tried.
+    LMI. ``attained`` is false where the objective falls with every bound on the unknowns that was tried, true
+    where it does not, and None where no bound was tried: a small gap alone says nothing of it.
     ``dual`` is svec of the dual matrices, row by row as in the problem. ``handovers`` say which solvers
     failed before this one had an answer, and why. ``on_face`` is the optimum on a face of the
     dual, where the answer was found there.
@@ -73,7 +74,7 @@ class Solution:
     solver: str
     passes: tuple[Pass, ...]
     warnings: tuple[str, ...]
-    attained: bool = True
+    attained: bool | None = None
     handovers: tuple[str, ...] = ()
     on_face: FaceOptimum | None = None
 
