@@ -9,7 +9,7 @@ exactly for rational data; for data known as balls, as balls that hold the true 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from lmic.certify.balls import PRECISION, ball, balls, below
 from lmic.certify.definite import is_positive_definite, proves_positive_definite
+from lmic.certify.equations import solve
 from lmic.certify.face import compressed
 from lmic.certify.finite import FiniteProblem
-from lmic.certify.statement import from_flint, to_flint
+from lmic.certify.statement import fraction, rational, to_flint
 from lmic.errors import CertificateError
 
 Array: TypeAlias = NDArray[Any]
@@ -100,11 +101,8 @@ def _check(problem: FiniteProblem, dual: Dual) -> None:
 def _exact_bound(problem: FiniteProblem, dual: Dual) -> Fraction:
     columns = [pivot.column for pivot in dual.pivots]
     miss = misses(problem, dual.matrices)[columns]
-    try:
-        change = from_flint(to_flint(_system(problem, dual.pivots)).solve(to_flint(miss[:, None])))[:, 0]
-    except ZeroDivisionError as error:
-        raise CertificateError("the dual's pivot entries do not determine their equalities") from error
-    exact = _changed(dual, change)
+    system = {place: rational(value) for place, value in _system(problem, dual.pivots).items()}
+    exact = _changed(dual, [fraction(value) for value in _solution(system, [*map(rational, miss)], flint.fmpq_mat)])
     sums = products(problem, exact)
     if (sums[1:] != problem.cost).any():
         raise CertificateError("the dual matrices miss an equality")
@@ -121,18 +119,20 @@ def _enclosed_bound(problem: FiniteProblem, dual: Dual) -> Fraction:
         raise CertificateError("an unknown has no pivot, and for data that are not rational each one needs its own")
     with flint.ctx.workprec(PRECISION):
         matrices = tuple(balls(matrix) for matrix in dual.matrices)
-        miss = misses(problem, matrices)[columns]
-        size = len(columns)
-        system = flint.arb_mat(size, size, [*balls(_system(problem, dual.pivots)).ravel()])
-        try:
-            change = np.array(system.solve(flint.arb_mat(size, 1, [*miss])).entries(), dtype=object)
-        except ZeroDivisionError as error:
-            raise CertificateError("the dual's pivot entries do not determine their equalities") from error
+        system = {place: ball(value) for place, value in _system(problem, dual.pivots).items()}
+        change = _solution(system, [*misses(problem, matrices)[columns]], flint.arb_mat)
         exact = _changed(Dual(matrices, dual.faces, dual.pivots), change)
         for k, matrix in enumerate(exact):
             if not proves_positive_definite(flint.arb_mat(len(matrix), len(matrix), [*matrix.ravel()])):
                 raise CertificateError(f"the dual matrix {k + 1} is not positive definite")
         return below(ball(problem.constant) - products(problem, exact)[0])
+
+
+def _solution(system: Mapping[tuple[int, int], Any], right: Sequence[Any], matrix: Any) -> list[Any]:
+    try:
+        return solve(system, right, matrix)
+    except ZeroDivisionError as error:
+        raise CertificateError("the dual's pivot entries do not determine their equalities") from error
 
 
 def products(problem: FiniteProblem, matrices: Sequence[Array]) -> Array:
@@ -151,20 +151,24 @@ def misses(problem: FiniteProblem, matrices: Sequence[Array]) -> Array:
     return np.asarray(cost - products(problem, matrices)[1:])
 
 
-def _system(problem: FiniteProblem, pivots: Sequence[Pivot]) -> Array:
-    """What one in each pivot entry contributes to each pivot's equality, shape (equality, entry)."""
+def _system(problem: FiniteProblem, pivots: Sequence[Pivot]) -> dict[tuple[int, int], Any]:
+    """What one in each pivot entry contributes to each pivot's equality, by (equality, entry)."""
     place = {pivot.column: k for k, pivot in enumerate(pivots)}
-    system = np.full((len(pivots), len(pivots)), Fraction(0), dtype=object)
+    entries: dict[tuple[int, int, int], list[int]] = {}
     for k, pivot in enumerate(pivots):
-        lmi = problem.lmis[pivot.lmi]
-        here = (lmi.rows == min(pivot.row, pivot.col)) & (lmi.cols == max(pivot.row, pivot.col)) & (lmi.columns > 0)
-        for column, value in zip(lmi.columns[here] - 1, lmi.values[here], strict=True):
-            if column in place:
-                system[place[column], k] = value * (1 if pivot.row == pivot.col else 2)
+        entries.setdefault((pivot.lmi, min(pivot.row, pivot.col), max(pivot.row, pivot.col)), []).append(k)
+    system = {}
+    for number in sorted({pivot.lmi for pivot in pivots}):
+        lmi = problem.lmis[number]
+        terms = zip(lmi.columns.tolist(), lmi.rows.tolist(), lmi.cols.tolist(), lmi.values.tolist(), strict=True)
+        for column, row, col, value in terms:
+            for k in entries.get((number, row, col), ()):
+                if column > 0 and column - 1 in place:
+                    system[place[column - 1], k] = value * (1 if row == col else 2)
     return system
 
 
-def _changed(dual: Dual, change: Array) -> list[Array]:
+def _changed(dual: Dual, change: Sequence[Any]) -> list[Array]:
     matrices = [matrix.copy() for matrix in dual.matrices]
     for pivot, value in zip(dual.pivots, change, strict=True):
         matrices[pivot.lmi][pivot.row, pivot.col] += value

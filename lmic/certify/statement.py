@@ -297,17 +297,26 @@ def fractions(matrix: Any) -> Array:
     return np.array([Fraction(entry) for entry in array.ravel().tolist()], dtype=object).reshape(array.shape)
 
 
+def rational(value: Any) -> flint.fmpq:
+    """A number as flint's; a float is its dyadic value."""
+    return flint.fmpq(*value.as_integer_ratio())
+
+
+def fraction(value: flint.fmpq) -> Fraction:
+    """flint's rational number as a fraction."""
+    return Fraction(int(value.p), int(value.q))
+
+
 def to_flint(matrix: Array) -> flint.fmpq_mat:
     """A matrix of fractions as flint's."""
     rows, cols = matrix.shape
     zero = flint.fmpq(0)
-    entries = [flint.fmpq(f.numerator, f.denominator) if f else zero for f in map(Fraction, matrix.ravel().tolist())]
-    return flint.fmpq_mat(rows, cols, entries)
+    return flint.fmpq_mat(rows, cols, [rational(entry) if entry else zero for entry in matrix.ravel().tolist()])
 
 
 def from_flint(matrix: flint.fmpq_mat) -> Array:
     """flint's rational matrix as an array of fractions."""
-    values = [Fraction(int(entry.p), int(entry.q)) for entry in matrix.entries()]
+    values = [fraction(entry) for entry in matrix.entries()]
     return np.array(values, dtype=object).reshape(matrix.nrows(), matrix.ncols())
 
 
