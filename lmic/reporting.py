@@ -210,10 +210,9 @@ def print_result(result: Result, certificate: Certificate | None = None) -> None
     proof = infeasibility(certificate) if certificate else ""
     if not print_solution(solution, result.seconds, proof, notes):
         return
-    known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     for name, value in result.reports.items():
-        proven = enclosure(certificate, result.theorem, name) if certificate else known
-        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {proven}; relaxation {result.problem.soundness.value}")
+        known = enclosure(certificate, result.theorem, name) if certificate else unproven(result.theorem, name)
+        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {known}; relaxation {result.problem.soundness.value}")
     if certificate and (certificate.upper or certificate.lower):
         out.print(f"proven from {certificate.solver}")
     for note in notes:
@@ -267,6 +266,13 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         "lineality": solution.lineality,
         "warnings": list(solution.warnings),
     }
+
+
+def unproven(theorem: Theorem, name: str) -> str:
+    """What a report stands on without a certificate."""
+    if theorem.reports[name].free_symbols <= set(theorem.givens):
+        return "given, and the LMIs hold"
+    return "numerical" if theorem.minimise is not None else "at one feasible point, not optimised"
 
 
 def enclosure(certificate: Certificate, theorem: Theorem, name: str) -> str:

@@ -43,6 +43,7 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
+from lmic.reporting import unproven
 
 ROOT = library.root()
 EXAMPLE_1 = ROOT / "peixoto2025" / "example1.toml"
@@ -159,6 +160,7 @@ def test_a_bisected_scalar_is_bounded_on_the_side_where_the_lmis_hold() -> None:
     found = certify(run(compile(theorem, Plant({}, name="none"), values)), given=values)
     assert verify(found, theorem).holds
     assert found.ends("k", theorem) == (Fraction(7, 5), None)
+    assert unproven(theorem, "k") == "given, and the LMIs hold"
 
 
 def contradiction(largest: int) -> tuple[Certificate, Theorem]:
