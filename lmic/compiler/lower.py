@@ -89,8 +89,12 @@ def lowered(lmi: LMI, place: Place) -> Checked[SymbolicLMI]:
 def check_formulas(theorem: Theorem) -> Checked[None]:
     """Shapes in what is recovered, promised and assumed."""
     for part, node in theorem.formulas:
-        if isinstance(node, Node):
-            yield from shape_faults(node, Place(theorem.name, part=part))
+        if not isinstance(node, Node):
+            continue
+        place = Place(theorem.name, part=part)
+        faulty = yield from shape_faults(node, place)
+        if part[0] == "assumes" and not faulty and not same_size(*node.shape):
+            yield ShapeError(f"{node} is {node.shape[0]} x {node.shape[1]}; only a square matrix is stable", place)
 
 
 def _add_entry(entries: Entries, i: int, j: int, entry: Any, place: Place) -> Checked[None]:
