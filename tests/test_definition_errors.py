@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
+import sympy as sp
 
 from lmic.compiler.lower import lower
 from lmic.compiler.terms import term_lists
@@ -24,6 +26,7 @@ from lmic.dsl import (
     Theorem,
     block,
     dims,
+    dot,
     inv,
     star,
     zeros,
@@ -99,6 +102,27 @@ def test_used_as_a_matrix() -> None:
         block([[A, A], [A]])
     with pytest.raises(DefinitionError, match="no LMI"):
         Theorem(lmis={}, source=SOURCE)
+
+
+FOREIGN: list[tuple[Callable[[], Any], str]] = [
+    (lambda: P > 0, r"P is compared with 0; write PD"),
+    (lambda: P >> 0, r"P is compared with 0; write PD"),
+    (lambda: P << A, r"P is compared with A\(alpha\); write PD"),
+    (lambda: P - A.transpose(), r"a matrix of type Transpose .* write X\.T"),
+    (lambda: A.inverse() * P, r"a matrix of type Inverse .* inv\(X\)"),
+    (lambda: P + np.eye(2), r"a matrix of type ndarray .* give numbers as data"),
+    (lambda: P * sp.eye(2), r"a matrix of type \w+ .* give numbers as data"),
+    (lambda: dot(P * A), r"dot\(P\*A\(alpha\)\) is the derivative of an expression; .* product rule"),
+    (lambda: dot(mu), r"dot\(mu\) is zero"),
+    (lambda: mu(alpha), r"the scalar mu is taken at a parameter; declare it as Symmetric\('mu', 1\)"),
+]
+
+
+@pytest.mark.parametrize(("written", "words"), FOREIGN)
+def test_words_of_other_languages(written: Callable[[], Any], words: str) -> None:
+    """What CVXPY, YALMIP and sympy write is refused with what to write here."""
+    with pytest.raises(DefinitionError, match=words):
+        written()
 
 
 @pytest.mark.parametrize("size", [dims("n"), "n", A, 2.5, -1, None])

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import Any, NoReturn, Self
 
 import sympy as sp
 
+from lmic.errors import DefinitionError
 from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Trace, Zero, as_size
 
 
@@ -69,6 +70,16 @@ class NamedScalar(sp.Symbol):
     def __getnewargs_ex__(self) -> tuple[tuple[str, str], dict[str, bool]]:
         """What pickle makes the symbol from again."""
         return (self.name, self.latex_name), {}
+
+    def __call__(self, *arguments: Any) -> NoReturn:
+        raise DefinitionError(
+            f"the scalar {self} is taken at a parameter; declare it as Symmetric({self.name!r}, 1), "
+            f"and kron({self}(...), I(n)) is a block"
+        )
+
+    def dot(self) -> NoReturn:
+        """Refused: a scalar does not move."""
+        raise DefinitionError(f"dot({self}) is zero, as a scalar depends on no parameter; leave it out")
 
     def _latex(self, printer: Any) -> str:
         return self.latex_name

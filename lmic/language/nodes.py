@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
+import numpy as np
 import sympy as sp
 from sympy.matrices.expressions.matexpr import MatrixExpr
 from sympy.printing.precedence import PRECEDENCE
@@ -87,8 +88,20 @@ class Node(MatrixExpr):
     def __floordiv__(self, other: Any) -> NoReturn:
         raise DefinitionError(f"{self} is divided by //; write / and a scalar")
 
+    def __gt__(self, other: Any) -> NoReturn:
+        raise DefinitionError(f"{self} is compared with {other}; write PD(...) or ND(...) of the difference")
+
+    __ge__ = __lt__ = __le__ = __rshift__ = __lshift__ = __rrshift__ = __rlshift__ = __gt__
+
     def __mod__(self, other: Any) -> NoReturn:
         raise DefinitionError(f"{self} is reduced by %; only + - * and / by a scalar are defined of matrices")
+
+    def dot(self) -> Leaf:
+        """Refused of all but a named matrix."""
+        raise DefinitionError(
+            f"dot({self}) is the derivative of an expression; write it out by the product rule, with dot(...) of each "
+            "matrix that moves"
+        )
 
     @property
     def T(self) -> Node:
@@ -131,6 +144,11 @@ def as_node(value: Any) -> Node:
         return value
     if isinstance(value, Star):
         value.refuse()
+    if isinstance(value, (MatrixExpr, sp.MatrixBase, np.ndarray)):
+        raise DefinitionError(
+            f"a matrix of type {type(value).__name__} stands among those of lmic.dsl; write X.T, inv(X), trace(X), "
+            "I(n) or zeros(n, m), and give numbers as data of the plant"
+        )
     raise DefinitionError(
         f"'{value}' is used as a matrix but is of type {type(value).__name__}; write {value}*I(n) for a multiple "
         "of the identity, or a bare 0 or star as a block"
@@ -304,7 +322,7 @@ class MatrixProduct(Node):
                 factors.extend(operand.nodes)
             elif isinstance(operand, Node):
                 factors.append(operand)
-            elif isinstance(operand, (MatrixExpr, str)):
+            elif isinstance(operand, (MatrixExpr, sp.MatrixBase, np.ndarray, str)):
                 as_node(operand)
             else:
                 try:
