@@ -82,6 +82,7 @@ FAULTS: list[tuple[str, str, int, list[int] | None, str]] = [
     ("[[P(alpha), A],\n [star, alpha + 1]]", "DefinitionError", 8, [2, 2], "TypeError"),
     ("[[P(alpha), A],\n [star]]", "DefinitionError", 7, None, "row 2 has 1 blocks"),
     ("P(alpha)\n + B", "ShapeError", 7, [1, 1], "do not add"),
+    ("[[P(alpha), B + B.T],\n [star, P(alpha)]]", "ShapeError", 7, [1, 2], "n against m"),
     ("P(alpha) + Q", "DefinitionError", 7, [1, 1], "'Q' is not defined"),
 ]  # fmt: skip
 

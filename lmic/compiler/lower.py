@@ -216,8 +216,8 @@ def _pairs(node: Node) -> Iterator[tuple[Sized, Sized, str]]:
     operands: Sequence[Node] = node.nodes
     if isinstance(node, MatrixSum):
         for other in operands[1:]:
-            for axis in (0, 1):
-                yield _sized(operands[0], axis), _sized(other, axis), "add"
+            axis = 0 if not same_size(operands[0].shape[0], other.shape[0]) else 1
+            yield _sized(operands[0], axis), _sized(other, axis), "add"
     elif isinstance(node, MatrixProduct):
         for left, right in pairwise(operands):
             yield _sized(left, 1), _sized(right, 0), "multiply"
