@@ -347,10 +347,10 @@ class MatrixProduct(Node):
 
     def _print_with(self, printer: Any, times: str) -> str:
         factors = [printer.parenthesize(node, PRECEDENCE["Mul"]) for node in self.nodes]
-        negative = self.coefficient.could_extract_minus_sign()
+        negative = self.coefficient.could_extract_minus_sign() and not self.coefficient.is_Add
         size = -self.coefficient if negative else self.coefficient
         if size != 1:
-            factors = [printer.parenthesize(size, PRECEDENCE["Mul"]), *factors]
+            factors = [printer.parenthesize(size, PRECEDENCE["Mul"], strict=True), *factors]
         return "-" * negative + times.join(factors)
 
     def _sympystr(self, printer: Any) -> str:
