@@ -180,6 +180,16 @@ def test_unused_declarations_are_no_faults(declaration: str, words: str, tmp_pat
     assert words in found["message"]
 
 
+def test_an_lmi_that_is_not_stated_is_told(tmp_path: Path) -> None:
+    """Of two entries of one name Python keeps the last, and the first would be lost without a word."""
+    text = SOUND.replace(
+        "theorem = Theorem(lmis={", 'theorem = Theorem(lmis={"b": PD(P(alpha)),\n    "b": PD(mu*I(m)), '
+    )
+    (found,) = findings(text, tmp_path)
+    assert (found["fault"], found["kind"], found["line"]) == (False, "unused", 7)
+    assert "an LMI is written and not stated" in found["message"]
+
+
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
