@@ -165,6 +165,13 @@ def test_wrong_shape() -> None:
         compile(STABILITY, plant(A=[[0.5, 1]]))
 
 
+@pytest.mark.parametrize("blocks", [(1,), (1, 1, 1)])
+def test_blocks_that_do_not_add_up(blocks: tuple[int, ...]) -> None:
+    scaled = statement([[Symmetric("S", n, blocks=blocks) - A * A.T]])
+    with pytest.raises(ShapeError, match=r"faulty: the blocks of S have the sizes 1.*, but S has 2 rows"):
+        compile(scaled, plant(A=[[0.5, 0], [0, 0.5]]))
+
+
 def test_wrong_domain() -> None:
     with pytest.raises(DomainError, match="alpha has no domain"):
         compile(STABILITY, Plant.polytopic("rho", A=[[0.5]]))
