@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from lmic.compiler.terms import term_lists
 from lmic.dsl import (
     ND,
     PD,
+    Bisection,
     BlockDiagonal,
     Data,
     He,
@@ -27,6 +29,7 @@ from lmic.dsl import (
     block,
     dims,
     dot,
+    given,
     inv,
     star,
     zeros,
@@ -42,7 +45,7 @@ from lmic.errors import (
     ShapeError,
 )
 from lmic.pipeline import compile
-from lmic.plants.plant import Plant
+from lmic.plants.plant import Plant, exact_number
 
 n, m = dims("n m")
 alpha = Simplex("alpha", step="free")
@@ -186,6 +189,19 @@ def test_scalars_and_dependences_have_known_names() -> None:
         compile(STABILITY, plant(A=[[[0.5]], [[0.4]]]), dependence={"P": ["alpha1", "alpha2", "alpha1 + alpha2"]})
     with pytest.raises(BasisError, match="negative"):
         compile(STABILITY, plant(A=[[0.5]]), dependence={"P": -1})
+
+
+def test_a_given_scalar_wants_a_value_or_a_search() -> None:
+    beta = given("beta")
+    sought = replace(STABILITY, lmis={"a": PD(beta * P)}, bisect=Bisection(beta, "maximise"))
+    with pytest.raises(
+        PlantError, match="beta has no value; give it, as beta=1, or an interval to search, as beta=0:1"
+    ):
+        compile(sought, plant(), sizes={"n": 1})
+    with pytest.raises(
+        PlantError, match="rename it in the plant, or remove it there and give the theorem's, as beta=1"
+    ):
+        compile(sought, Plant({}, scalars={"beta": exact_number(1)}), sizes={"n": 1})
 
 
 def test_not_a_number() -> None:
