@@ -128,7 +128,7 @@ def make_layout(
         parameters = {p: domains[p] for p in theorem.dependence(name) if p in domains}
         functions = basis_functions(name, dependence.get(name, DEFAULT), parameters)
         shape = tuple(int(size.subs(sizes)) for size in leaf.shape)
-        blocks = [] if name in theorem.full else [int(size.subs(sizes)) for size in leaf.blocks]
+        blocks = [] if name in theorem.full else leaf.block_sizes(lambda size: int(size.subs(sizes)))
         if blocks and sum(blocks) != shape[0]:
             raise ShapeError(
                 f"the blocks of {name} have the sizes {' + '.join(map(str, blocks))}, but {name} has {shape[0]} rows; "

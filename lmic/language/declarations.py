@@ -47,13 +47,18 @@ def Matrix(name: str, rows: Any, cols: Any) -> Leaf:
 
 def Symmetric(name: str, size: Any, blocks: Sequence[Any] = ()) -> Leaf:
     """A symmetric unknown, size x size; ``blocks=(n, m)`` makes it block diagonal, where n + m is the size."""
-    return Leaf(name, size, size, "unknown", symmetric=True, blocks=blocks)
+    return Leaf(name, size, size, "unknown", symmetric=True, blocks=[(block, 1) for block in blocks])
+
+
+def Diagonal(name: str, size: Any) -> Leaf:
+    """A diagonal unknown, size x size: a multiplier for each of several nonlinearities, a positive system's xᵀPx."""
+    return Leaf(name, size, size, "unknown", symmetric=True, blocks=[(1, size)])
 
 
 def BlockDiagonal(name: str, *blocks: Any) -> Leaf:
     """A block-diagonal unknown with square blocks of the given sizes; its own size is their sum."""
     size = sp.Add(*map(as_size, blocks))
-    return Leaf(name, size, size, "unknown", blocks=blocks)
+    return Leaf(name, size, size, "unknown", blocks=[(block, 1) for block in blocks])
 
 
 class NamedScalar(sp.Symbol):

@@ -7,7 +7,7 @@ where the theorem, LMI and block can be named.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
@@ -158,7 +158,8 @@ def as_node(value: Any) -> Node:
 class Leaf(Node):
     """A named matrix at given parameters: ``A``, ``A(alpha)``, ``P(alpha.next)``.
 
-    ``role`` is "data" or "unknown". ``blocks`` lists the sizes of a block-diagonal unknown.
+    ``role`` is "data" or "unknown". ``blocks`` lists the sizes of a block-diagonal unknown, each with how often it
+    comes.
     ``derivative`` marks dP/dt along a continuous-time trajectory.
     """
 
@@ -167,7 +168,7 @@ class Leaf(Node):
     cols: sp.Expr
     role: str
     symmetric: bool
-    blocks: tuple[sp.Expr, ...]
+    blocks: tuple[tuple[sp.Expr, sp.Expr], ...]
     arguments: tuple[Parameter, ...]
     derivative: bool
 
@@ -178,14 +179,14 @@ class Leaf(Node):
         cols: Any,
         role: str,
         symmetric: bool = False,
-        blocks: Sequence[Any] = (),
+        blocks: Sequence[tuple[Any, Any]] = (),
         arguments: tuple[Parameter, ...] = (),
         derivative: bool = False,
     ) -> Leaf:
         leaf: Leaf = sp.Basic.__new__(cls)
         leaf.name, leaf.role, leaf.symmetric = name, role, symmetric
         leaf._size = (as_size(rows), as_size(cols))
-        leaf.blocks = tuple(as_size(size) for size in blocks)
+        leaf.blocks = tuple((as_size(size), as_size(count)) for size, count in blocks)
         leaf.arguments, leaf.derivative = arguments, derivative
         return leaf
 
@@ -209,6 +210,10 @@ class Leaf(Node):
                     f"{self.name}({argument}): the argument is no parameter; give one that Simplex or Box made"
                 )
         return self._with(arguments=arguments)
+
+    def block_sizes(self, value: Callable[[sp.Expr], int]) -> list[int]:
+        """The sizes of all blocks, with the values of the dimensions."""
+        return [value(size) for size, count in self.blocks for _ in range(value(count))]
 
     def _with(self, **changes: Any) -> Leaf:
         fields = {
