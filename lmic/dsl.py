@@ -5,6 +5,7 @@ from sympy import Rational, sqrt
 from lmic.language.declarations import (
     BlockDiagonal,
     Data,
+    Diagonal,
     He,
     I,
     Matrix,
@@ -47,6 +48,7 @@ __all__ = [
     "Data",
     "DelaySystem",
     "DelayedFornasiniMarchesini",
+    "Diagonal",
     "DiscreteSystem",
     "FornasiniMarchesini",
     "He",

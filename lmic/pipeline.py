@@ -30,7 +30,7 @@ from lmic.compiler.bind import Binding, bind
 from lmic.compiler.lower import lower
 from lmic.compiler.terms import TermList, term_lists
 from lmic.errors import Place, RecoveryError
-from lmic.language.theorem import Theorem
+from lmic.language.theorem import Theorem, radicand
 from lmic.memory import Kept
 from lmic.plants.plant import Plant
 from lmic.recover.recover import Design, recover
@@ -153,14 +153,13 @@ def reports(design: Design) -> dict[str, float]:
 
 
 def lower_reports(result: Result) -> dict[str, float]:
-    """The reports that are what is minimised or its root, at the dual bound."""
-    minimised, bound = result.theorem.minimise, result.solution.bound
+    """The reports that are a multiple of what is minimised, or the root of one, at the dual bound."""
     found = {}
     for name, expression in result.theorem.reports.items():
-        if minimised is not None and sp.sympify(expression - minimised).is_zero:
-            found[name] = bound
-        elif minimised is not None and expression == sp.sqrt(minimised):
-            found[name] = float(np.sqrt(max(bound, 0.0)))
+        factor = result.theorem.factor(name)
+        if factor is not None:
+            value = float(factor) * result.solution.bound
+            found[name] = float(np.sqrt(max(value, 0.0))) if radicand(expression)[1] else value
     return found
 
 

@@ -139,16 +139,17 @@ def result_record(result: Result, certificate: Certificate | None = None) -> dic
         "design": _vertex_design(result),
         "seconds": round(result.seconds, 3),
     }
-    return record | (certificate_record(certificate) if certificate else {})
+    return record | (certificate_record(certificate, result.theorem) if certificate else {})
 
 
-def certificate_record(certificate: Certificate) -> dict[str, Any]:
+def certificate_record(certificate: Certificate, theorem: Theorem) -> dict[str, Any]:
     """What a certificate proves as plain data; its exact numbers are in its file."""
-    upper, lower = certificate.upper, certificate.lower
+    ends = {name: certificate.ends(name, theorem) for name in theorem.reports}
+    bound = certificate.lower
     return {
-        "lower": {name: float_below(value) for name, value in lower.reports.items()} if lower else {},
-        "upper": {name: float_above(value) for name, value in upper.reports.items()} if upper else {},
-        "lower_for_unknowns_up_to": float(lower.radius) if lower and lower.radius else None,
+        "lower": {name: float_below(lower) for name, (lower, _) in ends.items() if lower is not None},
+        "upper": {name: float_above(upper) for name, (_, upper) in ends.items() if upper is not None},
+        "bound_for_unknowns_up_to": float(bound.radius) if bound and bound.radius else None,
         "soundness": certificate.standing.value,
         "infeasible": infeasibility(certificate),
         "proven_from": certificate.solver,
@@ -209,10 +210,9 @@ def print_result(result: Result, certificate: Certificate | None = None) -> None
     proof = infeasibility(certificate) if certificate else ""
     if not print_solution(solution, result.seconds, proof, notes):
         return
-    known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     for name, value in result.reports.items():
-        proven = enclosure(certificate, name) if certificate else known
-        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {proven}; relaxation {result.problem.soundness.value}")
+        known = enclosure(certificate, result.theorem, name) if certificate else unproven(result.theorem, name)
+        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {known}; relaxation {result.problem.soundness.value}")
     if certificate and (certificate.upper or certificate.lower):
         out.print(f"proven from {certificate.solver}")
     for note in notes:
@@ -271,18 +271,30 @@ def solution_record(solution: Solution) -> dict[str, Any]:
     }
 
 
-def enclosure(certificate: Certificate, name: str) -> str:
+def unproven(theorem: Theorem, name: str) -> str:
+    """What a report stands on without a certificate."""
+    if theorem.reports[name].free_symbols <= set(theorem.givens):
+        return "given, and the LMIs hold"
+    return "numerical" if theorem.minimise is not None else "at one feasible point, not optimised"
+
+
+def enclosure(certificate: Certificate, theorem: Theorem, name: str) -> str:
     """The proven interval of a report and what it stands on: ∈ [1.2137692, 1.2137693] certified."""
-    lower = certificate.lower.reports.get(name) if certificate.lower else None
-    upper = certificate.upper.reports.get(name) if certificate.upper else None
-    radius = certificate.lower.radius if certificate.lower else None
+    lower, upper = certificate.ends(name, theorem)
+    bound = certificate.lower if certificate.lower and name in certificate.lower.reports else None
     ends = [
         "−∞" if lower is None else decimal(decimal_below(lower, SHOWN)),
         "∞" if upper is None else decimal(decimal_above(upper, SHOWN)),
     ]
     width = f", {float((upper - lower) / abs(upper)):.0e} wide" if lower is not None and upper else ""
-    within = f", lower end for unknowns up to {float(radius):.0e}" if lower is not None and radius else ""
+    radius = bound.radius if bound else None
+    within = f", {_sides(theorem, name)[1]} end for unknowns up to {float(radius):.0e}" if radius else ""
     return f"∈ \\[{ends[0]}, {ends[1]}] {certificate.standing.value}{width}{within}"
+
+
+def _sides(theorem: Theorem, report: str) -> tuple[str, str]:
+    """Which end of a report a point proves, and which the dual matrices."""
+    return ("lower", "upper") if theorem.maximised(report) else ("upper", "lower")
 
 
 def verdict_record(certificate: Certificate, verdict: Verdict) -> dict[str, Any]:
@@ -294,7 +306,7 @@ def verdict_record(certificate: Certificate, verdict: Verdict) -> dict[str, Any]
         "reason": verdict.reason,
         "cells": verdict.cells,
         "lower_bound_of": "theorem" if verdict.about_theorem else "relaxation",
-    } | (certificate_record(certificate) if verdict.holds else {"soundness": verdict.standing.value})
+    } | (certificate_record(certificate, verdict.theorem) if verdict.theorem else {"soundness": verdict.standing.value})
 
 
 def print_verdict(certificate: Certificate, verdict: Verdict) -> None:
@@ -304,18 +316,20 @@ def print_verdict(certificate: Certificate, verdict: Verdict) -> None:
     out.print(f"[bold]{certificate.theorem}[/bold] for {certificate.plant.name}{f', {scalars}' if scalars else ''}")
     if certificate.library_plant:
         out.print(f"data        those of the library's {certificate.library_plant}")
-    if not verdict.holds:
+    theorem = verdict.theorem
+    if not theorem:
         out.print(f"[bold red]failed[/bold red]      {with_advice(verdict.reason)}")
         return
     names = dict.fromkeys(n for bound in (certificate.upper, certificate.lower) if bound for n in bound.reports)
     for name in names:
-        out.print(f"{name:<11} {enclosure(certificate, name)}")
+        out.print(f"{name:<11} {enclosure(certificate, theorem, name)}")
+    reached, bounded = _sides(theorem, next(iter(names))) if names else ("upper", "lower")
     where = "on the whole domain" if certificate.upper and not certificate.upper.functionals else "at the listed points"
     if certificate.upper:
-        out.print(f"upper end   every LMI is positive definite {where} ({verdict.cells} cells)")
+        out.print(f"{reached} end   every LMI is positive definite {where} ({verdict.cells} cells)")
     about = "every solution of the theorem with these bases" if verdict.about_theorem else "its relaxation"
     if certificate.lower:
-        out.print(f"lower end   proven by {len(certificate.lower.functionals)} dual matrices, for {about}")
+        out.print(f"{bounded} end   proven by {len(certificate.lower.functionals)} dual matrices, for {about}")
     if certificate.infeasible:
         out.print(f"infeasible  {infeasibility(certificate)}, for {about}")
     out.print(f"made by     {certificate.solver}")

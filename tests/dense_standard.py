@@ -33,6 +33,13 @@ def bounded_real_continuous(A: Array, B: Array, C: Array, D: Array, P: Array, P_
     return lifted(form, (M, np.eye(len(M)) / gamma))
 
 
+def passivity_continuous(A: Array, B: Array, C: Array, D: Array, P: Array, P_dot: Array, nu: float) -> Array:
+    """dV/dt − 2zᵀw + 2νwᵀw."""
+    return flow_form(
+        P, P_dot, lambda x, w: A @ x + B @ w, lambda x, w: float(2 * nu * w @ w - 2 * (C @ x + D @ w) @ w), B.shape
+    )
+
+
 def energy_continuous(A: Array, B: Array, P: Array, P_dot: Array) -> Array:
     """dV/dt − wᵀw."""
     return flow_form(P, P_dot, lambda x, w: A @ x + B @ w, lambda x, w: float(-w @ w), B.shape)
@@ -99,6 +106,14 @@ def bounded_real_discrete(A: Array, B: Array, C: Array, D: Array, P: Array, P_ne
     nw = B.shape[1]
     M = linear_map(lambda x, w: C @ x + D @ w, (len(A), nw))
     return step_lmi(P, P_next, lambda x, w: A @ x + B @ w, [nw], gamma, (M, gamma))
+
+
+def passivity_discrete(A: Array, B: Array, C: Array, D: Array, P: Array, P_next: Array, nu: float) -> Array:
+    """2zᵀw − 2νwᵀw − (V⁺ − V), lifted in x⁺."""
+    n, nw = B.shape
+    form = quadratic_form(lambda x, w: float(-x @ P @ x + 2 * nu * w @ w - 2 * (C @ x + D @ w) @ w), (n, nw))
+    matrix = -lifted(form, (linear_map(lambda x, w: A @ x + B @ w, (n, nw)), P_next))
+    return congruence(matrix, np.eye(n + nw), -P_next)
 
 
 def energy_discrete(A: Array, B: Array, P: Array, P_next: Array) -> Array:

@@ -318,7 +318,7 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
         "--refine",
     ),
     "verify": ("--theorem", "--json"),
-    "refute": ("--plant", "--set", "--below", "--polya", "-o", "--json"),
+    "refute": ("--plant", "--set", "--below", "--above", "--polya", "-o", "--json"),
     "export": ("--plant", "--set", "--dependence", "--relax", "--polya", "-o", "--json"),
     "diagnose": ("--plant", "--set", "--polya", "--grid", "--solver", "--patience", "--json"),
     "sweep": (

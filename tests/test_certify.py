@@ -33,7 +33,7 @@ from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import verify
 from lmic.cli import main
-from lmic.dsl import PD, I, Scalar, Source, Theorem
+from lmic.dsl import PD, Bisection, I, Scalar, Source, Theorem, given, star
 from lmic.errors import CertificateError
 from lmic.language.parameters import instance_symbol
 from lmic.papers.enclosures import Enclosure
@@ -43,6 +43,7 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
+from lmic.reporting import unproven
 
 ROOT = library.root()
 EXAMPLE_1 = ROOT / "peixoto2025" / "example1.toml"
@@ -112,6 +113,54 @@ def test_a_lower_bound_is_never_above_what_is_reached(table_1: Certificate) -> N
     assert table_1.upper
     smaller = {name: value * (1 - Fraction(1, 10**7)) for name, value in table_1.upper.reports.items()}
     assert not verify(replace(table_1, upper=replace(table_1.upper, reports=smaller))).holds
+
+
+def largest_root() -> Theorem:
+    """The largest x with x² < 2, which is √2, and its multiple and root."""
+    x = Scalar("x")
+    return Theorem(
+        lmis={"square": PD([[2 * I(1), x * I(1)], [star, I(1)]])},
+        source=Source("N. N.", "A test", "unpublished", 2026),
+        minimise=-x,
+        reports={"x": x, "twice": 2 * x, "root": sp.sqrt(x)},
+        name="largest",
+    )
+
+
+def test_what_is_maximised_is_enclosed() -> None:
+    """The point proves the lower end and the dual matrices the upper one; neither can be claimed a bit better."""
+    theorem = largest_root()
+    found = certify(run(compile(theorem, Plant({}, name="none"))))
+    assert verify(found, theorem).holds
+    for report, square in {"x": 2, "twice": 8, "root": 2}.items():
+        power = 4 if report == "root" else 2
+        lower, upper = found.ends(report, theorem)
+        assert lower is not None
+        assert upper is not None
+        assert lower**power <= square <= upper**power
+        assert upper - lower <= 1e-6
+        assert found.lower and found.upper
+        better = {**found.upper.reports, report: lower * (1 + Fraction(1, 10**7))}
+        assert not verify(replace(found, upper=replace(found.upper, reports=better)), theorem).holds
+        smaller = {**found.lower.reports, report: upper * (1 - Fraction(1, 10**7))}
+        assert not verify(replace(found, lower=replace(found.lower, reports=smaller)), theorem).holds
+
+
+def test_a_bisected_scalar_is_bounded_on_the_side_where_the_lmis_hold() -> None:
+    """k = 1.4 is reached, so the largest k is at least that; nothing is said of how large it can be."""
+    k, x = given("k"), Scalar("x")
+    theorem = Theorem(
+        lmis={"square": PD([[2 * I(1), k * I(1)], [star, x * I(1)]]), "x": PD(I(1) - x * I(1))},
+        source=Source("N. N.", "A test", "unpublished", 2026),
+        bisect=Bisection(k, "maximise"),
+        reports={"k": k},
+        name="largest",
+    )
+    values = {"k": Fraction(7, 5)}
+    found = certify(run(compile(theorem, Plant({}, name="none"), values)), given=values)
+    assert verify(found, theorem).holds
+    assert found.ends("k", theorem) == (Fraction(7, 5), None)
+    assert unproven(theorem, "k") == "given, and the LMIs hold"
 
 
 def contradiction(largest: int) -> tuple[Certificate, Theorem]:
@@ -465,3 +514,26 @@ def test_what_is_reached_is_not_refuted(first_order: Certificate, tmp_path: Path
     runner = CliRunner()
     assert runner.invoke(main, [*command, "1.9999"]).exit_code == 0
     assert runner.invoke(main, [*command, "2.0001"]).exit_code == 1
+
+
+def test_what_is_maximised_is_refuted_above(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(
+        "from lmic.dsl import *\n(n,) = dims('n')\n"
+        "A, x = Data('A', n, n, symmetric=True), Scalar('x')\n"
+        "theorem = Theorem(lmis={'size': PD(A - x*I(n))}, minimise=-x, reports={'least': x},\n"
+        "    source=Source('N. N.', 'A test', 'unpublished', 2026))\n"
+    )
+    (tmp_path / "plant.toml").write_text("[matrices]\nA = [[2, 1], [1, 2]]\n")
+    command = ["refute", str(tmp_path / "mine.py"), "--plant", str(tmp_path / "plant.toml")]
+    reached = CliRunner().invoke(main, [*command, "--above", "1.01"])
+    assert reached.exit_code == 0, reached.output
+    assert "least is at most 1" in reached.output
+    assert CliRunner().invoke(main, [*command, "--above", "0.99"]).exit_code == 1
+    for option, words in (
+        (["--below", "1"], "give that"),
+        ([], "give one"),
+        (["--below", "1", "--above", "1"], "give one"),
+    ):
+        refused = CliRunner().invoke(main, [*command, *option])
+        assert refused.exit_code == 1
+        assert words in refused.output

@@ -82,6 +82,7 @@ FAULTS: list[tuple[str, str, int, list[int] | None, str]] = [
     ("[[P(alpha), A],\n [star, alpha + 1]]", "DefinitionError", 8, [2, 2], "TypeError"),
     ("[[P(alpha), A],\n [star]]", "DefinitionError", 7, None, "row 2 has 1 blocks"),
     ("P(alpha)\n + B", "ShapeError", 7, [1, 1], "do not add"),
+    ("[[P(alpha), B + B.T],\n [star, P(alpha)]]", "ShapeError", 7, [1, 2], "n against m"),
     ("P(alpha) + Q", "DefinitionError", 7, [1, 1], "'Q' is not defined"),
 ]  # fmt: skip
 
@@ -136,6 +137,15 @@ def test_all_faults_are_told(tmp_path: Path) -> None:
         ("minimise=mu**2", "NotAffineError", "mu**2 is not affine in mu"),
         ('minimise="mu"', "DefinitionError", "'mu'"),
         ('recover={"K": A*B*A}', "ShapeError", "do not multiply"),
+        ("assumes=[Schur(B, because='')]", "ShapeError", "B(alpha) is n x m; only a square matrix is stable"),
+        ("bisect='eps'", "DefinitionError", "'eps' is no bisection; write Bisection(eps, 'maximise')"),
+        ("bisect=Bisection(mu, 'maximise')", "DefinitionError", "mu is no given scalar of the LMIs"),
+        ("bisect=Bisection(mu, 'max')", "DefinitionError", "is no bisection"),
+        (
+            'reports={"g": mu}, guarantees=[Bound("L2 gain", DiscreteSystem(A, B, A, B), "g")]',
+            "DefinitionError",
+            "'L2 gain' is no norm that is known here; promise a bound of 'l2 gain' or 'energy to peak'",
+        ),
         ("minimize=mu", "DefinitionError", "unexpected keyword argument 'minimize'"),
         ('variants={"v": Variant("v", constant=["P"])}', "DefinitionError", "the unknowns themselves"),
     ],
@@ -168,6 +178,16 @@ def test_unused_declarations_are_no_faults(declaration: str, words: str, tmp_pat
     (found,) = findings(SOUND.replace("theorem =", f"{declaration}\ntheorem ="), tmp_path)
     assert (found["fault"], found["kind"], found["line"]) == (False, "unused", 7)
     assert words in found["message"]
+
+
+def test_an_lmi_that_is_not_stated_is_told(tmp_path: Path) -> None:
+    """Of two entries of one name Python keeps the last, and the first would be lost without a word."""
+    text = SOUND.replace(
+        "theorem = Theorem(lmis={", 'theorem = Theorem(lmis={"b": PD(P(alpha)),\n    "b": PD(mu*I(m)), '
+    )
+    (found,) = findings(text, tmp_path)
+    assert (found["fault"], found["kind"], found["line"]) == (False, "unused", 7)
+    assert "an LMI is written and not stated" in found["message"]
 
 
 @pytest.mark.parametrize(

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
+import sympy as sp
 
 from lmic.compiler.lower import lower
 from lmic.compiler.terms import term_lists
 from lmic.dsl import (
     ND,
     PD,
+    Bisection,
     BlockDiagonal,
     Data,
     He,
@@ -24,6 +28,8 @@ from lmic.dsl import (
     Theorem,
     block,
     dims,
+    dot,
+    given,
     inv,
     star,
     zeros,
@@ -39,7 +45,7 @@ from lmic.errors import (
     ShapeError,
 )
 from lmic.pipeline import compile
-from lmic.plants.plant import Plant
+from lmic.plants.plant import Plant, exact_number
 
 n, m = dims("n m")
 alpha = Simplex("alpha", step="free")
@@ -101,6 +107,27 @@ def test_used_as_a_matrix() -> None:
         Theorem(lmis={}, source=SOURCE)
 
 
+FOREIGN: list[tuple[Callable[[], Any], str]] = [
+    (lambda: P > 0, r"P is compared with 0; write PD"),
+    (lambda: P >> 0, r"P is compared with 0; write PD"),
+    (lambda: P << A, r"P is compared with A\(alpha\); write PD"),
+    (lambda: P - A.transpose(), r"a matrix of type Transpose .* write X\.T"),
+    (lambda: A.inverse() * P, r"a matrix of type Inverse .* inv\(X\)"),
+    (lambda: P + np.eye(2), r"a matrix of type ndarray .* give numbers as data"),
+    (lambda: P * sp.eye(2), r"a matrix of type \w+ .* give numbers as data"),
+    (lambda: dot(P * A), r"dot\(P\*A\(alpha\)\) is the derivative of an expression; .* product rule"),
+    (lambda: dot(mu), r"dot\(mu\) is zero"),
+    (lambda: mu(alpha), r"the scalar mu is taken at a parameter; declare it as Symmetric\('mu', 1\)"),
+]
+
+
+@pytest.mark.parametrize(("written", "words"), FOREIGN)
+def test_words_of_other_languages(written: Callable[[], Any], words: str) -> None:
+    """What CVXPY, YALMIP and sympy write is refused with what to write here."""
+    with pytest.raises(DefinitionError, match=words):
+        written()
+
+
 @pytest.mark.parametrize("size", [dims("n"), "n", A, 2.5, -1, None])
 def test_a_size_that_is_no_dimension(size: Any) -> None:
     for declare in (lambda: Data("A", n, size), lambda: Matrix("A", size, n), lambda: I(size), lambda: zeros(n, size)):
@@ -141,6 +168,13 @@ def test_wrong_shape() -> None:
         compile(STABILITY, plant(A=[[0.5, 1]]))
 
 
+@pytest.mark.parametrize("blocks", [(1,), (1, 1, 1)])
+def test_blocks_that_do_not_add_up(blocks: tuple[int, ...]) -> None:
+    scaled = statement([[Symmetric("S", n, blocks=blocks) - A * A.T]])
+    with pytest.raises(ShapeError, match=r"faulty: the blocks of S have the sizes 1.*, but S has 2 rows"):
+        compile(scaled, plant(A=[[0.5, 0], [0, 0.5]]))
+
+
 def test_wrong_domain() -> None:
     with pytest.raises(DomainError, match="alpha has no domain"):
         compile(STABILITY, Plant.polytopic("rho", A=[[0.5]]))
@@ -155,6 +189,19 @@ def test_scalars_and_dependences_have_known_names() -> None:
         compile(STABILITY, plant(A=[[[0.5]], [[0.4]]]), dependence={"P": ["alpha1", "alpha2", "alpha1 + alpha2"]})
     with pytest.raises(BasisError, match="negative"):
         compile(STABILITY, plant(A=[[0.5]]), dependence={"P": -1})
+
+
+def test_a_given_scalar_wants_a_value_or_a_search() -> None:
+    beta = given("beta")
+    sought = replace(STABILITY, lmis={"a": PD(beta * P)}, bisect=Bisection(beta, "maximise"))
+    with pytest.raises(
+        PlantError, match="beta has no value; give it, as beta=1, or an interval to search, as beta=0:1"
+    ):
+        compile(sought, plant(), sizes={"n": 1})
+    with pytest.raises(
+        PlantError, match="rename it in the plant, or remove it there and give the theorem's, as beta=1"
+    ):
+        compile(sought, Plant({}, scalars={"beta": exact_number(1)}), sizes={"n": 1})
 
 
 def test_not_a_number() -> None:

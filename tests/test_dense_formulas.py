@@ -366,13 +366,13 @@ def standard(random: Random) -> dict[str, Case]:
     A, B, C, D = p.A, p.B_w, p.C_z, p.D_zw
     C_y, K, L, G = random.matrix(ny, n), random.matrix(nu, n), random.matrix(n, ny), random.matrix(n, n)
     P, following, rate, Z = random.positive(n), random.positive(n), random.symmetric(n), random.positive(nw)
-    beta, gamma, mu = 0.7, 1.6, 2.2
+    beta, gamma, mu, index = 0.7, 1.6, 2.2, 0.4
     shared = at("rho", p) | {"B(rho)": B, "C(rho)": C, "D(rho)": D, "Z(rho)": Z, "G": G, "G(rho)": G}
     for name in "PQS":
         shared |= {f"{name}(rho)": P, f"{name}(rho+)": following, f"dot({name}(rho))": rate}
 
     def case(leaves: Mapping[str, Array] | None = None, **lmis: Array) -> Case:
-        return Case(sizes, {**shared, **(leaves or {})}, {"beta": beta, "gamma": gamma, "mu": mu}, lmis)
+        return Case(sizes, {**shared, **(leaves or {})}, {"beta": beta, "gamma": gamma, "mu": mu, "nu": index}, lmis)
 
     def stored(x: Array, w: Array) -> float:
         step, z = A @ x + B @ w, C @ x + D @ w
@@ -397,6 +397,8 @@ def standard(random: Random) -> dict[str, Case]:
             {"dissipation": bounded_real},
             dissipation=(lambda lmi: -maps.eliminate(lmi, n + nz), maps.quadratic_form(stored, (n, nw))),
         ),
+        "passivity_continuous": case(passivity=known.passivity_continuous(A, B, C, D, P, rate, index)),
+        "passivity_discrete": case(passivity=known.passivity_discrete(A, B, C, D, P, following, index)),
         "generalised_h2_continuous": case(
             energy=known.energy_continuous(A, B, P, rate), peak=known.peak(P, C, None, mu)
         ),

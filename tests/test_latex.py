@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from lmic import library
+from lmic.dsl import PD, I, Scalar, dims, given
 from lmic.typeset import latex
 
 
@@ -19,6 +20,17 @@ def test_prints_as_the_paper_does() -> None:
     assert r"- \delta I_{n_{w}}" in text
     assert text.count(r"\star") == 15
     assert text.endswith(r"\prec 0")
+
+
+def test_a_product_of_scalars_stands_without_parentheses() -> None:
+    (n,), k, nu = dims("n"), given("k"), Scalar("nu", latex=r"\nu")
+    shown = {
+        2 * nu * I(n): r"2 \nu I_{n}",
+        -k * nu * I(n): r"-k \nu I_{n}",
+        (1 - k) * I(n): r"\left(1 - k\right) I_{n}",
+    }
+    for expression, text in shown.items():
+        assert latex.matrix(PD(expression)) == rf"{text} \succ 0"
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")

@@ -95,7 +95,10 @@ def refused(path: Path, *parts: str) -> None:
         ({"matrices": {"C": {"vertices": [[["beta1"]], [[1]]]}}}, ["vertex 1: entry (1,1): 'beta1' is unknown here"]),
         ({"matrices": {"C": {"vertices": [[[1]]] * 2, "parameter": "rho"}}}, ["add parameter = one of: beta"]),
         ({"matrices": {"C": {"vertices": [[[1]]] * 2, "parameter": 1}}}, ["has vertices without a simplex"]),
-        ({"parameters": {}, "matrices": {"C": {"vertices": [[[1]]]}}}, ["without a simplex"]),
+        (
+            {"parameters": {}, "matrices": {"C": {"vertices": [[[1]]]}}},
+            ["has vertices without a simplex; state one under [parameters]"],
+        ),
         (
             {"parameters": {"a": {"simplex": 1}, "b": {"simplex": 1}}, "matrices": {"C": {"vertices": [[[1]]]}}},
             ["add parameter = one of: a, b"],

@@ -182,6 +182,12 @@ def test_a_relaxation_that_does_not_fit_says_what_does(name: str) -> None:
         problem_of(on_box(AFFINE), dependence, choice)
 
 
+def test_an_option_without_any_parameter_is_refused() -> None:
+    theorem, point = library.theorem("standard.stability_continuous"), Plant.polytopic(A=[[-1]])
+    with pytest.raises(RelaxationError, match="'rho' is no parameter here; leave the option out, as there is none"):
+        finish(prepare(theorem, replace(point, domains={}, motions={})), None, Relaxation(polya={"rho": 1}))
+
+
 def test_a_joint_grid_fits_what_mixes_components() -> None:
     choice = Relaxation(method={"rho": "grid"}, grid={"rho": Grid(5, "random", seed=1)})
     (family,) = problem_of(on_box(AFFINE), ["1", "sin(r1*r2)"], choice).families

@@ -12,6 +12,7 @@ from conftest import EXAMPLE_1
 
 from lmic import library
 from lmic.algebra.polynomials import MatrixPolynomial
+from lmic.dsl import PD, Data, I, Scalar, Source, Symmetric, Theorem, dims, trace
 from lmic.errors import RecoveryError
 from lmic.pipeline import compile, finish, prepare, run
 from lmic.plants.files import read_plant
@@ -183,3 +184,18 @@ def test_a_search_for_the_margin_that_ends_early_claims_nothing() -> None:
     problem = compile(library.theorem("standard.stability_continuous"), Plant(matrices, name="stable"))
     assert solve(problem, Clarabel()).status is Status.SOLVED
     assert solve(problem, Lost(), passes=1).status is not Status.INFEASIBLE
+
+
+def test_a_slack_that_vanishes_as_a_whole_is_survived() -> None:
+    """The least trace of T ⪰ M is that of M: at the optimum every LMI is zero, and no coordinates come from it."""
+    (n,) = dims("n")
+    M, T, mu = Data("M", n, n, symmetric=True), Symmetric("T", n), Scalar("mu")
+    theorem = Theorem(
+        lmis={"above": PD(T - M), "trace": PD(mu * I(1) - trace(T))},
+        minimise=mu,
+        reports={"least": mu},
+        source=Source("N. N.", "A test", "unpublished", 2026),
+        name="least",
+    )
+    result = run(compile(theorem, Plant.polytopic(M=[[0, 1], [1, 0]])))
+    assert result.reports["least"] == pytest.approx(0, abs=1e-6)

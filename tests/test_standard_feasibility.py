@@ -32,6 +32,7 @@ from standard_cases import (
     theorem,
 )
 from test_standard_norms import NORMS
+from test_standard_passivity import INDICES
 
 from lmic.pipeline import prepare
 from lmic.plants.plant import Plant
@@ -284,5 +285,5 @@ def test_margin(name: str, case: Margin) -> None:
 
 
 def test_every_standard_theorem_has_a_case() -> None:
-    patterns = [case.pattern for table in (NORMS, DECAY, MARGINS) for case in table]
+    patterns = [case.pattern for table in (NORMS, INDICES, DECAY, MARGINS) for case in table]
     assert {name for pattern in patterns for name in matching(pattern)} == set(NAMES)

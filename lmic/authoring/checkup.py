@@ -79,6 +79,7 @@ def check(located: Located) -> Checkup:
     if theorem:
         examination.formulas(theorem)
         examination.unused(theorem)
+        examination.unstated(theorem)
     findings = sorted(examination.findings, key=lambda finding: finding.line or 0)
     return Checkup(findings, lmis, theorem)
 
@@ -155,6 +156,15 @@ class _Examination:
             if name not in used | named:
                 reason = f"the {_what(declared)} {name} is declared and not used; use it or remove it"
                 self.findings.append(Finding(False, "unused", self.execution.path, line, Place(self.name), reason))
+
+    def unstated(self, theorem: Theorem) -> None:
+        """LMIs that the theorem does not state, as where a later one has the same name."""
+        for lmi, call in self.execution.calls:
+            if isinstance(lmi, LMI) and not any(lmi is stated for stated in theorem.lmis.values()):
+                reason = "an LMI is written and not stated; give it a name of its own in lmis, or remove it"
+                self.findings.append(
+                    Finding(False, "unused", self.execution.path, call.lineno, Place(self.name), reason)
+                )
 
     def _is_excused(self, name: str, value: Any) -> bool:
         return name in self.execution.mentioned and isinstance(value, DECLARED)

@@ -24,7 +24,7 @@ from lmic.library import line_of
 #: words whose calls build what is looked for later
 LMI_WORDS = ("PD", "ND")
 DECLARING_WORDS = (
-    *("Data", "Matrix", "Symmetric", "BlockDiagonal", "Scalar", "given", "dims"),
+    *("Data", "Matrix", "Symmetric", "Diagonal", "BlockDiagonal", "Scalar", "given", "dims"),
     *("Parameter", "Simplex", "Box"),
 )
 DECLARED = (Leaf, NamedScalar, SymbolicSize, Parameter)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from lmic.certify.finite import Functional
 from lmic.certify.infeasible import Infeasible
 from lmic.certify.lower import Dual
+from lmic.language.theorem import Theorem
 from lmic.plants.plant import Plant
 
 Array: TypeAlias = NDArray[Any]
@@ -40,7 +41,7 @@ class Unknown:
 class Upper:
     """The LMIs hold at the point: on the whole domain, or where ``functionals`` are given, there.
 
-    ``reports`` are no less than what the theorem reports at the point.
+    ``reports`` are no better than what the theorem reports at the point: no less, or no more where it is maximised.
     """
 
     reports: Mapping[str, Fraction]
@@ -82,6 +83,12 @@ class Certificate:
     notes: tuple[str, ...]
     solver: str
     versions: Mapping[str, str]
+
+    def ends(self, report: str, theorem: Theorem) -> tuple[Fraction | None, Fraction | None]:
+        """What is proven of the best value of a report: its lower end and its upper one, None where nothing is."""
+        reached = self.upper.reports.get(report) if self.upper else None
+        bound = self.lower.reports.get(report) if self.lower else None
+        return (reached, bound) if theorem.maximised(report) else (bound, reached)
 
     @property
     def standing(self) -> Standing:

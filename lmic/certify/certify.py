@@ -102,9 +102,9 @@ def _width(certificate: Certificate, theorem: Theorem) -> Fraction | float:
         return 0.0
     if not (upper and lower and lower.reports):
         return float("inf")
-    name, least = next(iter(lower.reports.items()))
-    most = upper.reports[name]
-    return (most - least) / max(abs(most), Fraction(ABSOLUTE))
+    name, bound = next(iter(lower.reports.items()))
+    reached = upper.reports[name]
+    return abs(reached - bound) / max(abs(reached), Fraction(ABSOLUTE))
 
 
 def _better(first: Certificate, second: Certificate, theorem: Theorem) -> Certificate:
@@ -143,7 +143,7 @@ def refutation(
     given: Mapping[str, Any] | None = None,
     sizes: Mapping[str, int] | None = None,
 ) -> tuple[Certificate, str, Fraction]:
-    """A certificate of the lower bound alone, the report that it bounds, and the bound.
+    """A certificate of the bound by dual matrices alone, the report that it bounds, and the bound.
 
     Raises CertificateError where no bound is proven.
     """
@@ -158,5 +158,5 @@ def refutation(
         raise CertificateError(
             "the theorem reports neither what it minimises nor its root, so no report is bounded; report one of them"
         )
-    report, lower = next(iter(found.lower.reports.items()))
-    return found, report, lower
+    report, bound = next(iter(found.lower.reports.items()))
+    return found, report, bound

@@ -31,7 +31,7 @@ from lmic.certify.verify import UnprovenError, point, proven
 from lmic.compiler.assemble import ConicProblem
 from lmic.errors import CertificateError, Place
 from lmic.index import plants
-from lmic.language.theorem import Theorem
+from lmic.language.theorem import Theorem, radicand
 from lmic.pipeline import Result
 from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_number
@@ -176,16 +176,22 @@ def _as_point(functional: Functional) -> Functional | None:
 
 
 def _upper_reports(certificate: Certificate, theorem: Theorem) -> dict[str, Fraction]:
-    """Decimals that are no less than what the theorem reports at the certificate's point."""
+    """Decimals that are no better than what the theorem reports at the certificate's point."""
     statement = _statement(certificate, theorem)
     unknowns = point(certificate, statement)
     found = {}
     for name, expression in theorem.reports.items():
-        root = isinstance(expression, sp.Pow) and expression.exp == sp.Rational(1, 2)
-        value = statement.expression(expression.base if root else expression, unknowns)
-        exact = Fraction(value.coefficients[0, 0, 0])
-        found[name] = document.root_above(exact) if root else document.decimal_above(exact)
+        inner, root = radicand(expression)
+        value = statement.expression(inner, unknowns)
+        found[name] = _rounded(Fraction(value.coefficients[0, 0, 0]), root, up=not theorem.maximised(name))
     return found
+
+
+def _rounded(value: Fraction, root: bool, up: bool) -> Fraction:
+    """A decimal beside the value, or beside its root."""
+    if root:
+        return (document.root_above if up else document.root_below)(value)
+    return (document.decimal_above if up else document.decimal_below)(value)
 
 
 # Lower bounds ---------------------------------------------------------------------------------------
@@ -236,13 +242,13 @@ def with_lower(
 
 
 def _lower_reports(theorem: Theorem, bound: Fraction) -> dict[str, Fraction]:
-    """Decimals that no report is below, from a bound on what is minimised."""
+    """Decimals that no report is better than, from a bound on what is minimised."""
     reports = {}
     for name, expression in theorem.reports.items():
-        if expression == theorem.minimise:
-            reports[name] = document.decimal_below(bound)
-        elif theorem.minimise is not None and expression == sp.sqrt(theorem.minimise):
-            reports[name] = document.root_below(max(bound, Fraction(0)))
+        factor, root = theorem.factor(name), radicand(expression)[1]
+        if factor is not None:
+            value = Fraction(int(factor.p), int(factor.q)) * bound
+            reports[name] = _rounded(max(value, Fraction(0)) if root else value, root, up=theorem.maximised(name))
     return reports
 
 

@@ -100,7 +100,7 @@ class Statement:
             return np.zeros((1, 1), dtype=int)
         leaf = self.theorem.unknowns[name]
         rows, cols = (self.size(size) for size in leaf.shape)
-        blocks = [] if name in self.theorem.full else [self.size(size) for size in leaf.blocks]
+        blocks = [] if name in self.theorem.full else leaf.block_sizes(self.size)
         member = np.repeat(np.arange(len(blocks)), blocks) if blocks else np.zeros(max(rows, cols), dtype=int)
         numbers = np.full((rows, cols), -1)
         free = 0

@@ -30,7 +30,7 @@ from lmic.certify.lower import bounded_lower_bound, lower_bound
 from lmic.certify.region import inside, region
 from lmic.certify.statement import Statement, to_flint
 from lmic.errors import CertificateError, LmicError, Place
-from lmic.language.theorem import Theorem
+from lmic.language.theorem import Theorem, radicand
 from lmic.plants.files import read_plant
 
 #: cells of the domain over all LMIs that a proof may take
@@ -41,8 +41,8 @@ BUDGET = 20_000
 class Verdict:
     """Whether a certificate holds, and why not; ``cells`` is how many pieces the domain took.
 
-    ``about_theorem`` says that the lower bound holds for the theorem itself, at points of the domain,
-    and not only for its relaxation.
+    ``theorem`` is the statement that it holds for, None where it does not hold; ``about_theorem`` says that
+    the bound by dual matrices holds for the theorem itself, at points of the domain, and not only for its relaxation.
     """
 
     holds: bool
@@ -50,6 +50,7 @@ class Verdict:
     standing: Standing
     cells: int = 0
     about_theorem: bool = False
+    theorem: Theorem | None = None
 
 
 class UnprovenError(CertificateError):
@@ -67,10 +68,11 @@ def verify(certificate: Certificate, theorem: Theorem | None = None) -> Verdict:
     CertificateError where the certificate is of another theorem or states what cannot be proven.
     """
     try:
-        cells, about_theorem = proven(certificate, theorem or library.theorem(certificate.theorem))
+        stated = theorem or library.theorem(certificate.theorem)
+        cells, about_theorem = proven(certificate, stated)
     except LmicError as error:
         return Verdict(False, str(error), Standing.FAILED)
-    return Verdict(True, "", certificate.standing, cells, about_theorem)
+    return Verdict(True, "", certificate.standing, cells, about_theorem, stated)
 
 
 def proven(certificate: Certificate, theorem: Theorem, budget: int = BUDGET) -> tuple[int, bool]:
@@ -142,8 +144,9 @@ def _prove_upper(
     for name, claimed in upper.reports.items():
         if name not in statement.theorem.reports:
             raise CertificateError(f"the theorem reports no {name}")
-        if not at_least(claimed, statement.theorem.reports[name], statement, unknowns):
-            raise CertificateError(f"{name} at the point is larger than {document.decimal(claimed)}")
+        if not attained(claimed, name, statement, unknowns):
+            far = "smaller" if statement.theorem.maximised(name) else "larger"
+            raise CertificateError(f"{name} at the point is {far} than {document.decimal(claimed)}")
     matrices = {lmi: statement.matrix(lmi, unknowns).renamed(domain.equal).merged() for lmi in statement.theorem.lmis}
     if upper.functionals:
         _prove_at(upper.functionals, matrices, domain)
@@ -190,16 +193,27 @@ def _is_positive(functional: Functional, matrix: MatrixPolynomial) -> bool:
         return proves_positive_definite(flint.arb_mat(value.tolist()))
 
 
-def at_least(
-    claimed: Fraction, expression: sp.Expr, statement: Statement, unknowns: Mapping[str, MatrixPolynomial]
-) -> bool:
-    """Whether a value is proven to be no less than a report, which is a polynomial or the root of one."""
-    root = isinstance(expression, sp.Pow) and expression.exp == sp.Rational(1, 2)
-    value = statement.expression(expression.base if root else expression, unknowns)
+def attained(claimed: Fraction, name: str, statement: Statement, unknowns: Mapping[str, MatrixPolynomial]) -> bool:
+    """Whether a value is proven to be no better than a report, which is a polynomial or the root of one."""
+    expression = statement.theorem.reports[name]
+    inner, root = radicand(expression)
+    value = statement.expression(inner, unknowns)
     if value.monomials.atoms:
         raise CertificateError(f"the report {expression} has no exact value")
     exact = Fraction(value.coefficients[0, 0, 0])
-    return (claimed >= 0 and 0 <= exact <= claimed**2) if root else exact <= claimed
+    if root and exact < 0:
+        return False
+    return (_is_above if statement.theorem.maximised(name) else _is_below)(exact, claimed, root)
+
+
+def _is_below(value: Fraction, claimed: Fraction, root: bool) -> bool:
+    """Whether a value, or its root, is no more than what is claimed."""
+    return (claimed >= 0 and value <= claimed**2) if root else value <= claimed
+
+
+def _is_above(value: Fraction, claimed: Fraction, root: bool) -> bool:
+    """Whether a value, or its root, is no less than what is claimed."""
+    return (claimed <= 0 or claimed**2 <= value) if root else claimed <= value
 
 
 # Lower bounds ---------------------------------------------------------------------------------------
@@ -219,15 +233,17 @@ def _finite(
 
 def _check_reports(lower: Lower, bound: Fraction, theorem: Theorem) -> None:
     for name, claimed in lower.reports.items():
-        if not at_most(claimed, name, bound, theorem):
-            raise CertificateError(f"the dual matrices do not show that {name} is at least {document.decimal(claimed)}")
+        if not unbeaten(claimed, name, bound, theorem):
+            most = "most" if theorem.maximised(name) else "least"
+            raise CertificateError(
+                f"the dual matrices do not show that {name} is at {most} {document.decimal(claimed)}"
+            )
 
 
-def at_most(claimed: Fraction, name: str, bound: Fraction, theorem: Theorem) -> bool:
-    """Whether the report ``name`` is proven to be no less than a value, from a bound on the objective."""
-    expression = theorem.reports.get(name)
-    if theorem.minimise is None or expression not in (theorem.minimise, sp.sqrt(theorem.minimise)):
-        raise CertificateError(f"{name} is neither the objective nor its root, so no bound on it follows")
-    if expression == theorem.minimise:
-        return claimed <= bound
-    return claimed <= 0 or claimed**2 <= bound
+def unbeaten(claimed: Fraction, name: str, bound: Fraction, theorem: Theorem) -> bool:
+    """Whether the report ``name`` is proven to be no better than a value, from a bound on the objective."""
+    factor = theorem.factor(name) if name in theorem.reports else None
+    if factor is None:
+        raise CertificateError(f"{name} is neither a multiple of the objective nor the root of one, so it has no bound")
+    value, root = Fraction(int(factor.p), int(factor.q)) * bound, radicand(theorem.reports[name])[1]
+    return (_is_below if theorem.maximised(name) else _is_above)(value, claimed, root)

@@ -36,28 +36,47 @@ def verify(file: Path, theorem: str | None, as_json: bool) -> None:
 @click.argument("name")
 @PLANT
 @compiling
-@click.option("--below", metavar="VALUE", required=True, help="The value that the theorem is said to reach.")
+@click.option("--below", metavar="VALUE", help="The value that the theorem is said to reach.")
+@click.option("--above", metavar="VALUE", help="The same where the theorem maximises.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the certificate to a file.")
 @JSON
-def refute(name: str, plant: Path, below: str, output: Path | None, as_json: bool, **choices: Any) -> None:
-    """Prove that no solution of a theorem reports so small a value; ends with 1 where that is not proven."""
+def refute(
+    name: str,
+    plant: Path,
+    below: str | None,
+    above: str | None,
+    output: Path | None,
+    as_json: bool,
+    **choices: Any,
+) -> None:
+    """Prove that no solution of a theorem reports so good a value; ends with 1 where that is not proven."""
     from lmic.certify.certificate_file import write_certificate
     from lmic.certify.certify import refutation
+    from lmic.errors import LmicError
     from lmic.pipeline import run
 
+    side, text = ("--above", above) if below is None else ("--below", below)
+    if text is None or (below is not None and above is not None):
+        raise LmicError("the value to refute is given by --below, or by --above where the theorem maximises; give one")
     chosen = Choices(**choices)
-    value = numbers([f"value={below}"], "--below")["value"]
+    value = numbers([f"value={text}"], side)["value"]
     result = run(chosen.compile_files(name, plant))
-    certificate, report, lower = refutation(
+    certificate, report, bound = refutation(
         result, chosen.relaxation(result.problem.binding.plant), numbers(chosen.given, "--set"), chosen.dimensions()
     )
+    maximised = result.theorem.maximised(report)
+    if maximised != (side == "--above"):
+        better = ("larger", "--above") if maximised else ("smaller", "--below")
+        raise LmicError(f"{name}: a {better[0]} {report} is better, so a value is refuted by {better[1]}; give that")
     if output:
         write_certificate(certificate, output)
-    refuted = lower > value
+    refuted = bound < value if maximised else bound > value
     if as_json:
-        echo_json({"report": report, "below": float(value), "lower": float(lower), "refuted": refuted})
+        ends = ("above", "upper") if maximised else ("below", "lower")
+        echo_json({"report": report, ends[0]: float(value), ends[1]: float(bound), "refuted": refuted})
     else:
         verdict = "so it cannot be reached" if refuted else "which does not refute it"
-        click.echo(f"{report} = {below}: {report} is at least {float(lower):.12g} (proven), {verdict}")
+        far = "most" if maximised else "least"
+        click.echo(f"{report} = {text}: {report} is at {far} {float(bound):.12g} (proven), {verdict}")
     if not refuted:
         sys.exit(1)

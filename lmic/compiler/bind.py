@@ -96,7 +96,11 @@ def scalar_values(theorem: Theorem, plant: Plant, scalars: Mapping[str, Any]) ->
     wanted = {symbol.name for symbol in theorem.givens}
     both = sorted(wanted & set(plant.scalars))
     if both:
-        raise PlantError(f"{both[0]} is a scalar of the theorem and of {plant.name}; rename it in the plant", place)
+        raise PlantError(
+            f"{both[0]} is a scalar of the theorem and of {plant.name}; rename it in the plant, or remove it there and "
+            f"give the theorem's, as {both[0]}=1",
+            place,
+        )
     unknown = sorted(set(scalars) - wanted - set(plant.scalars))
     if unknown:
         known = ", ".join(sorted(wanted | set(plant.scalars))) or "none"
@@ -105,7 +109,9 @@ def scalar_values(theorem: Theorem, plant: Plant, scalars: Mapping[str, Any]) ->
         )
     missing = sorted(wanted - set(scalars))
     if missing:
-        raise PlantError(f"the scalar {missing[0]} has no value; give it, as {missing[0]}=1", place)
+        sought = theorem.bisect is not None and theorem.bisect.scalar.name == missing[0]
+        search = f", or an interval to search, as {missing[0]}=0:1" if sought else ""
+        raise PlantError(f"the scalar {missing[0]} has no value; give it, as {missing[0]}=1{search}", place)
     return {sp.Symbol(name): float(exact_number(value)) for name, value in {**plant.scalars, **scalars}.items()}
 
 

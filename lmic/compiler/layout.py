@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lmic.algebra.polynomials import MatrixPolynomial, row_polynomial
 from lmic.compiler.bases import DEFAULT, Choice, basis_functions
-from lmic.errors import BasisError, Place
+from lmic.errors import BasisError, Place, ShapeError
 from lmic.language.nodes import Leaf
 from lmic.language.theorem import Theorem
 from lmic.plants.domains import Domain
@@ -128,7 +128,13 @@ def make_layout(
         parameters = {p: domains[p] for p in theorem.dependence(name) if p in domains}
         functions = basis_functions(name, dependence.get(name, DEFAULT), parameters)
         shape = tuple(int(size.subs(sizes)) for size in leaf.shape)
-        blocks = [] if name in theorem.full else [int(size.subs(sizes)) for size in leaf.blocks]
+        blocks = [] if name in theorem.full else leaf.block_sizes(lambda size: int(size.subs(sizes)))
+        if blocks and sum(blocks) != shape[0]:
+            raise ShapeError(
+                f"the blocks of {name} have the sizes {' + '.join(map(str, blocks))}, but {name} has {shape[0]} rows; "
+                "give blocks that add up",
+                place,
+            )
         layout[name] = UnknownLayout(name, offset, coordinates(leaf, (shape[0], shape[1]), blocks), functions)
         offset += layout[name].size
     return Layout(layout)

@@ -89,8 +89,12 @@ def lowered(lmi: LMI, place: Place) -> Checked[SymbolicLMI]:
 def check_formulas(theorem: Theorem) -> Checked[None]:
     """Shapes in what is recovered, promised and assumed."""
     for part, node in theorem.formulas:
-        if isinstance(node, Node):
-            yield from shape_faults(node, Place(theorem.name, part=part))
+        if not isinstance(node, Node):
+            continue
+        place = Place(theorem.name, part=part)
+        faulty = yield from shape_faults(node, place)
+        if part[0] == "assumes" and not faulty and not same_size(*node.shape):
+            yield ShapeError(f"{node} is {node.shape[0]} x {node.shape[1]}; only a square matrix is stable", place)
 
 
 def _add_entry(entries: Entries, i: int, j: int, entry: Any, place: Place) -> Checked[None]:
@@ -212,8 +216,8 @@ def _pairs(node: Node) -> Iterator[tuple[Sized, Sized, str]]:
     operands: Sequence[Node] = node.nodes
     if isinstance(node, MatrixSum):
         for other in operands[1:]:
-            for axis in (0, 1):
-                yield _sized(operands[0], axis), _sized(other, axis), "add"
+            axis = 0 if not same_size(operands[0].shape[0], other.shape[0]) else 1
+            yield _sized(operands[0], axis), _sized(other, axis), "add"
     elif isinstance(node, MatrixProduct):
         for left, right in pairwise(operands):
             yield _sized(left, 1), _sized(right, 0), "multiply"

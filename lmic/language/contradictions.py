@@ -10,6 +10,7 @@ import sympy as sp
 from lmic.errors import DefinitionError, Place
 from lmic.language.lmi import LMI
 from lmic.language.nodes import Leaf, Node
+from lmic.language.systems import NORMS
 
 if TYPE_CHECKING:
     from lmic.language.theorem import Theorem
@@ -45,6 +46,7 @@ def contradictions(theorem: Theorem) -> Iterator[DefinitionError]:
                 Place(part=("variants", key)),
             )
     yield from _ambiguous_names(theorem)
+    yield from _no_bisection(theorem)
     yield from _foreign_scalars(theorem)
     yield from _foreign_unknowns(theorem)
     yield from _missing_reports(theorem)
@@ -70,6 +72,19 @@ def _ambiguous_names(theorem: Theorem) -> Iterator[DefinitionError]:
             yield DefinitionError(
                 f"{name} is used with different parameters, as {' and '.join(used)}; use two unknowns"
             )
+
+
+def _no_bisection(theorem: Theorem) -> Iterator[DefinitionError]:
+    """What is bisected is a given scalar of the LMIs, for its largest or its least value."""
+    sought, place = theorem.bisect, Place(part=("bisect",))
+    if sought is None:
+        return
+    if not isinstance(getattr(sought, "scalar", None), sp.Symbol) or sought.goal not in ("maximise", "minimise"):
+        yield DefinitionError(f"{sought!r} is no bisection; write Bisection(eps, 'maximise') or 'minimise'", place)
+    elif sought.scalar not in theorem.givens:
+        yield DefinitionError(
+            f"{sought.scalar} is no given scalar of the LMIs; bisect one that given(...) declares", place
+        )
 
 
 def _foreign_scalars(theorem: Theorem) -> Iterator[DefinitionError]:
@@ -99,6 +114,11 @@ def _foreign_unknowns(theorem: Theorem) -> Iterator[DefinitionError]:
 
 def _missing_reports(theorem: Theorem) -> Iterator[DefinitionError]:
     for bound in theorem.guarantees:
+        if bound.norm not in NORMS:
+            yield DefinitionError(
+                f"{bound.norm!r} is no norm that is known here; promise a bound of {' or '.join(map(repr, NORMS))}",
+                Place(part=("guarantees", bound.report)),
+            )
         if bound.report not in theorem.reports:
             has = ", ".join(theorem.reports) or "none"
             yield DefinitionError(

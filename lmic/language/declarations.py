@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import Any, NoReturn, Self
 
 import sympy as sp
 
+from lmic.errors import DefinitionError
 from lmic.language.nodes import Block, Hermitian, Identity, Inverse, Kronecker, Leaf, Trace, Zero, as_size
 
 
@@ -46,13 +47,18 @@ def Matrix(name: str, rows: Any, cols: Any) -> Leaf:
 
 def Symmetric(name: str, size: Any, blocks: Sequence[Any] = ()) -> Leaf:
     """A symmetric unknown, size x size; ``blocks=(n, m)`` makes it block diagonal, where n + m is the size."""
-    return Leaf(name, size, size, "unknown", symmetric=True, blocks=blocks)
+    return Leaf(name, size, size, "unknown", symmetric=True, blocks=[(block, 1) for block in blocks])
+
+
+def Diagonal(name: str, size: Any) -> Leaf:
+    """A diagonal unknown, size x size: a multiplier for each of several nonlinearities, a positive system's xᵀPx."""
+    return Leaf(name, size, size, "unknown", symmetric=True, blocks=[(1, size)])
 
 
 def BlockDiagonal(name: str, *blocks: Any) -> Leaf:
     """A block-diagonal unknown with square blocks of the given sizes; its own size is their sum."""
     size = sp.Add(*map(as_size, blocks))
-    return Leaf(name, size, size, "unknown", blocks=blocks)
+    return Leaf(name, size, size, "unknown", blocks=[(block, 1) for block in blocks])
 
 
 class NamedScalar(sp.Symbol):
@@ -69,6 +75,16 @@ class NamedScalar(sp.Symbol):
     def __getnewargs_ex__(self) -> tuple[tuple[str, str], dict[str, bool]]:
         """What pickle makes the symbol from again."""
         return (self.name, self.latex_name), {}
+
+    def __call__(self, *arguments: Any) -> NoReturn:
+        raise DefinitionError(
+            f"the scalar {self} is taken at a parameter; declare it as Symmetric({self.name!r}, 1), "
+            f"and kron({self}(...), I(n)) is a block"
+        )
+
+    def dot(self) -> NoReturn:
+        """Refused: a scalar does not move."""
+        raise DefinitionError(f"dot({self}) is zero, as a scalar depends on no parameter; leave it out")
 
     def _latex(self, printer: Any) -> str:
         return self.latex_name

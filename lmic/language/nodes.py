@@ -7,9 +7,10 @@ where the theorem, LMI and block can be named.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
+import numpy as np
 import sympy as sp
 from sympy.matrices.expressions.matexpr import MatrixExpr
 from sympy.printing.precedence import PRECEDENCE
@@ -87,8 +88,20 @@ class Node(MatrixExpr):
     def __floordiv__(self, other: Any) -> NoReturn:
         raise DefinitionError(f"{self} is divided by //; write / and a scalar")
 
+    def __gt__(self, other: Any) -> NoReturn:
+        raise DefinitionError(f"{self} is compared with {other}; write PD(...) or ND(...) of the difference")
+
+    __ge__ = __lt__ = __le__ = __rshift__ = __lshift__ = __rrshift__ = __rlshift__ = __gt__
+
     def __mod__(self, other: Any) -> NoReturn:
         raise DefinitionError(f"{self} is reduced by %; only + - * and / by a scalar are defined of matrices")
+
+    def dot(self) -> Leaf:
+        """Refused of all but a named matrix."""
+        raise DefinitionError(
+            f"dot({self}) is the derivative of an expression; write it out by the product rule, with dot(...) of each "
+            "matrix that moves"
+        )
 
     @property
     def T(self) -> Node:
@@ -131,6 +144,11 @@ def as_node(value: Any) -> Node:
         return value
     if isinstance(value, Star):
         value.refuse()
+    if isinstance(value, (MatrixExpr, sp.MatrixBase, np.ndarray)):
+        raise DefinitionError(
+            f"a matrix of type {type(value).__name__} stands among those of lmic.dsl; write X.T, inv(X), trace(X), "
+            "I(n) or zeros(n, m), and give numbers as data of the plant"
+        )
     raise DefinitionError(
         f"'{value}' is used as a matrix but is of type {type(value).__name__}; write {value}*I(n) for a multiple "
         "of the identity, or a bare 0 or star as a block"
@@ -140,7 +158,8 @@ def as_node(value: Any) -> Node:
 class Leaf(Node):
     """A named matrix at given parameters: ``A``, ``A(alpha)``, ``P(alpha.next)``.
 
-    ``role`` is "data" or "unknown". ``blocks`` lists the sizes of a block-diagonal unknown.
+    ``role`` is "data" or "unknown". ``blocks`` lists the sizes of a block-diagonal unknown, each with how often it
+    comes.
     ``derivative`` marks dP/dt along a continuous-time trajectory.
     """
 
@@ -149,7 +168,7 @@ class Leaf(Node):
     cols: sp.Expr
     role: str
     symmetric: bool
-    blocks: tuple[sp.Expr, ...]
+    blocks: tuple[tuple[sp.Expr, sp.Expr], ...]
     arguments: tuple[Parameter, ...]
     derivative: bool
 
@@ -160,14 +179,14 @@ class Leaf(Node):
         cols: Any,
         role: str,
         symmetric: bool = False,
-        blocks: Sequence[Any] = (),
+        blocks: Sequence[tuple[Any, Any]] = (),
         arguments: tuple[Parameter, ...] = (),
         derivative: bool = False,
     ) -> Leaf:
         leaf: Leaf = sp.Basic.__new__(cls)
         leaf.name, leaf.role, leaf.symmetric = name, role, symmetric
         leaf._size = (as_size(rows), as_size(cols))
-        leaf.blocks = tuple(as_size(size) for size in blocks)
+        leaf.blocks = tuple((as_size(size), as_size(count)) for size, count in blocks)
         leaf.arguments, leaf.derivative = arguments, derivative
         return leaf
 
@@ -191,6 +210,10 @@ class Leaf(Node):
                     f"{self.name}({argument}): the argument is no parameter; give one that Simplex or Box made"
                 )
         return self._with(arguments=arguments)
+
+    def block_sizes(self, value: Callable[[sp.Expr], int]) -> list[int]:
+        """The sizes of all blocks, with the values of the dimensions."""
+        return [value(size) for size, count in self.blocks for _ in range(value(count))]
 
     def _with(self, **changes: Any) -> Leaf:
         fields = {
@@ -304,7 +327,7 @@ class MatrixProduct(Node):
                 factors.extend(operand.nodes)
             elif isinstance(operand, Node):
                 factors.append(operand)
-            elif isinstance(operand, (MatrixExpr, str)):
+            elif isinstance(operand, (MatrixExpr, sp.MatrixBase, np.ndarray, str)):
                 as_node(operand)
             else:
                 try:
@@ -329,10 +352,10 @@ class MatrixProduct(Node):
 
     def _print_with(self, printer: Any, times: str) -> str:
         factors = [printer.parenthesize(node, PRECEDENCE["Mul"]) for node in self.nodes]
-        negative = self.coefficient.could_extract_minus_sign()
+        negative = self.coefficient.could_extract_minus_sign() and not self.coefficient.is_Add
         size = -self.coefficient if negative else self.coefficient
         if size != 1:
-            factors = [printer.parenthesize(size, PRECEDENCE["Mul"]), *factors]
+            factors = [printer.parenthesize(size, PRECEDENCE["Mul"], strict=True), *factors]
         return "-" * negative + times.join(factors)
 
     def _sympystr(self, printer: Any) -> str:

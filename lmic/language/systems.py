@@ -77,6 +77,10 @@ PlaneSystem: TypeAlias = FornasiniMarchesini | DelayedFornasiniMarchesini
 System: TypeAlias = DiscreteSystem | ContinuousSystem | DelaySystem | PlaneSystem
 
 
+#: norms that a theorem can promise a bound of
+NORMS = ("l2 gain", "energy to peak")
+
+
 @dataclass(frozen=True)
 class Bound:
     """What the theorem promises: the ``norm`` from w to z of ``system`` is below ``report``.

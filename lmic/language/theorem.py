@@ -118,6 +118,21 @@ class Theorem:
             *((("assumes", str(number)), condition.matrix) for number, condition in enumerate(self.assumes, 1)),
         ]
 
+    def factor(self, report: str) -> sp.Rational | None:
+        """c where the report is c times what is minimised, or the root of that; None where it is neither."""
+        inner, _ = radicand(self.reports[report])
+        ratio = sp.cancel(inner / sp.sympify(self.minimise)) if self.minimise is not None else None
+        return ratio if isinstance(ratio, sp.Rational) and ratio != 0 else None
+
+    def maximised(self, report: str) -> bool:
+        """Whether the theorem seeks the largest value of a report; what follows from no objective is minimised."""
+        factor = self.factor(report)
+        if factor is not None:
+            return bool(factor < 0)
+        if self.bisect is None:
+            return False
+        return self.bisect.goal == "maximise" and radicand(self.reports[report])[0] == self.bisect.scalar
+
     @property
     def extras(self) -> list[Node]:
         """Matrix expressions outside the LMIs."""
@@ -188,3 +203,10 @@ class Theorem:
             for leaf in node.leaves():
                 found.setdefault(leaf.name, set()).add(tuple(parameter.name for parameter in leaf.arguments))
         return found
+
+
+def radicand(expression: sp.Expr) -> tuple[sp.Expr, bool]:
+    """What a report is the root of, and whether it is one; else the report itself."""
+    expression = sp.sympify(expression)
+    root = isinstance(expression, sp.Pow) and expression.exp == sp.Rational(1, 2)
+    return (expression.base, True) if root else (expression, False)

@@ -21,7 +21,7 @@ from lmic.pages.site import render
 from lmic.pages.statement import mathml, statement
 from lmic.pipeline import Result
 from lmic.relax.family import Soundness
-from lmic.reporting import enclosure, family_record, infeasibility
+from lmic.reporting import enclosure, family_record, infeasibility, unproven
 from lmic.typeset import latex, numbers
 
 #: matrices of a design that a page shows, and rows up to which it shows an unknown's
@@ -102,12 +102,13 @@ def reported(result: Result, certificate: Certificate | None = None) -> list[Rep
     """What the theorem reports, and how well each number is known."""
     import sympy as sp
 
-    known = "numerical" if result.theorem.minimise is not None else "at one feasible point, not optimised"
     return [
         Reported(
             mathml(" = ".join(dict.fromkeys([sp.latex(sp.Symbol(name)), sp.latex(result.theorem.reports[name])]))),
             f"{value:.8g}",
-            enclosure(certificate, name).replace("\\[", "[") if certificate else known,
+            enclosure(certificate, result.theorem, name).replace("\\[", "[")
+            if certificate
+            else unproven(result.theorem, name),
         )
         for name, value in result.reports.items()
     ]

@@ -66,9 +66,8 @@ def stored(case: Case) -> Enclosure | None:
 def proven(certificate: Certificate, case: Case) -> Enclosure:
     """The enclosure of the case's report, after the certificate is proven; raises CertificateError where it fails."""
     verdict = verify(certificate)
-    if not verdict.holds:
+    if not verdict.theorem:
         raise CertificateError(f"the certificate of {case.id} does not hold: {verdict.reason}; make it anew")
-    lower = certificate.lower.reports.get(case.report) if certificate.lower else None
-    upper = certificate.upper.reports.get(case.report) if certificate.upper else None
+    lower, upper = certificate.ends(case.report, verdict.theorem)
     radius = certificate.lower.radius if certificate.lower else None
     return Enclosure(verdict.standing, lower, upper, verdict.about_theorem, radius)

@@ -91,7 +91,7 @@ class Outcome:
             "frozen_bound": self.frozen.bound if self.frozen else None,
             "lower": float_below(lower) if lower is not None else None,
             "upper": float_above(upper) if upper is not None else None,
-            "lower_for_unknowns_up_to": float(radius) if radius else None,
+            "bound_for_unknowns_up_to": float(radius) if radius else None,
             "standing": (self.enclosure.standing if self.enclosure else Standing.NUMERICAL).value,
             "warnings": list(solution.warnings),
             "seconds": round(self.result.seconds, 3),

@@ -383,8 +383,8 @@ def _simplex(name: Any, domains: Mapping[str, Domain], what: str = "has vertices
         (domain,) = simplexes.values()
         return domain
     if not isinstance(name, str) or name not in simplexes:
-        known = ", ".join(simplexes) or "a simplex that [parameters] must state first"
-        raise PlantError(f"{what} without a simplex; add parameter = one of: {known}")
+        mend = f"add parameter = one of: {', '.join(simplexes)}" if simplexes else "state one under [parameters]"
+        raise PlantError(f"{what} without a simplex; {mend}")
     return simplexes[name]
 
 

@@ -148,7 +148,10 @@ def _check_keys(choice: Relaxation, geometry: Space) -> None:
     for options in (choice.method, choice.grid, choice.polya if isinstance(choice.polya, Mapping) else {}):
         for key in options:
             if key not in known:
-                raise RelaxationError(f"'{key}' is no parameter here; options go to {', '.join(sorted(known))}")
+                mend = (
+                    f"options go to {', '.join(sorted(known))}" if known else "leave the option out, as there is none"
+                )
+                raise RelaxationError(f"'{key}' is no parameter here; {mend}")
     for method in choice.method.values():
         if method not in METHODS:
             raise RelaxationError(f"'{method}' is no relaxation; use {', '.join(METHODS)}")

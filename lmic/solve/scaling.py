@@ -58,7 +58,7 @@ def affordable(data: ConeData) -> bool:
 
 
 def rescaled(data: ConeData, slack: Array) -> tuple[ConeData, Scaling]:
-    """The problem in the coordinates that a slack suggests."""
+    """The problem in the coordinates that a slack suggests, or as at first where a vanishing slack suggests none."""
     slacks = slack_matrices(slack, data.orders)
     for regularisation in REGULARISATION:
         congruence = [inverse_root(matrix, regularisation) for matrix in slacks]
@@ -67,6 +67,8 @@ def rescaled(data: ConeData, slack: Array) -> tuple[ConeData, Scaling]:
         pivots = np.abs(np.diag(triangular))
         if pivots.min() > CONDITION * pivots.max():
             break
+    if not pivots.all():
+        return initial(data)
     unknowns = scipy.linalg.solve_triangular(triangular, np.eye(len(triangular)))
     # the product, not the orthonormal factor: it belongs to these ``unknowns`` however they are rounded
     scaled = ConeData(unknowns.T @ data.cost, sps.csc_array(columns[:, 1:] @ unknowns), columns[:, 0], data.orders)

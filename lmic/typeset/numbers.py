@@ -14,6 +14,7 @@ from lmic.plants.domains import vertex_points
 
 if TYPE_CHECKING:
     from lmic.certify.certificate import Certificate
+    from lmic.language.theorem import Theorem
     from lmic.pipeline import Result
 
 Array: TypeAlias = NDArray[Any]
@@ -79,7 +80,7 @@ def table(results: Mapping[str, Result], certificates: Mapping[str, Certificate]
         values = [f"${number(result.reports[name], digits)}$" if name in result.reports else "--" for name in reports]
         certificate = certificates.get(label)
         soundness = certificate.standing.value if certificate else f"numerical, {result.problem.soundness.value}"
-        proven = _interval(certificate, digits) if certificate else "--"
+        proven = _interval(certificate, result.theorem, digits) if certificate else "--"
         rows.append([text(label), *values, proven, text(soundness), text(result.solution.status.value)])
     body = " \\\\\n".join(" & ".join(row) for row in rows)
     columns = "l" + "r" * len(reports) + "lll"
@@ -94,10 +95,9 @@ def text(plain: str) -> str:
     return plain.translate(_SPECIAL)
 
 
-def _interval(certificate: Certificate, digits: int) -> str:
+def _interval(certificate: Certificate, theorem: Theorem, digits: int) -> str:
     """The first report's enclosure."""
-    upper = next(iter(certificate.upper.reports.values()), None) if certificate.upper else None
-    lower = next(iter(certificate.lower.reports.values()), None) if certificate.lower else None
+    lower, upper = next((certificate.ends(name, theorem) for name in theorem.reports), (None, None))
     ends = [
         r"-\infty" if lower is None else decimal(decimal_below(lower, digits)),
         r"\infty" if upper is None else decimal(decimal_above(upper, digits)),
