@@ -33,7 +33,7 @@ from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import verify
 from lmic.cli import main
-from lmic.dsl import PD, I, Scalar, Source, Theorem
+from lmic.dsl import PD, Box, Data, I, Scalar, Source, Theorem
 from lmic.errors import CertificateError
 from lmic.language.parameters import instance_symbol
 from lmic.papers.enclosures import Enclosure
@@ -141,6 +141,39 @@ def test_infeasibility_needs_a_dual_that_shows_it() -> None:
     assert not verify(replace(certificate, infeasible=replace(certificate.infeasible, dual=crooked)), theorem).holds
     nothing = Dual((fractions(np.zeros((0, 0))),) * 2, (np.zeros((1, 0), dtype=object),) * 2, ())
     assert not verify(replace(certificate, infeasible=replace(certificate.infeasible, dual=nothing)), theorem).holds
+
+
+@pytest.fixture
+def above() -> tuple[Certificate, Theorem]:
+    """The certificate of the least μ above ρ on [1, 2], which is 2, and its theorem."""
+    mu, rho = Scalar("mu"), Box("rho")
+    theorem = Theorem(
+        lmis={"above": PD(mu * I(1) - Data("A", 1, 1)(rho))},
+        source=Source("N. N.", "A test", "unpublished", 2026),
+        minimise=mu,
+        reports={"mu": mu},
+        name="above",
+    )
+    r = sp.Symbol("r")
+    plant = Plant(
+        {"A": MatrixPolynomial.from_sympy(sp.Matrix([[r]]))}, {"rho": BoxDomain(("r",), (Fraction(1),), (Fraction(2),))}
+    )
+    return certify(run(compile(theorem, plant))), theorem
+
+
+def test_one_symbol_on_two_axes_is_no_point_of_the_domain(above: tuple[Certificate, Theorem]) -> None:
+    """Twice ρ = 2 would be the LMI at ρ = 4, from which the false bound 4 follows."""
+    certificate, theorem = above
+    assert certificate.lower
+    assert verify(certificate, theorem).holds
+    axis = Coefficient((sp.Symbol("r"),), ((Fraction(2),),), (1,))
+    dual = Dual((fractions([[1]]),), (None,), ())
+    at_two = replace(
+        certificate.lower, reports={"mu": Fraction(2)}, functionals=(Functional("above", (axis,)),), dual=dual
+    )
+    assert verify(replace(certificate, lower=at_two), theorem).holds
+    at_four = replace(at_two, reports={"mu": Fraction(4)}, functionals=(Functional("above", (axis, axis)),))
+    assert "outside the domain" in verify(replace(certificate, lower=at_four), theorem).reason
 
 
 def test_shown_ends_are_rounded_outwards() -> None:
