@@ -143,6 +143,15 @@ def test_infeasibility_needs_a_dual_that_shows_it() -> None:
     assert not verify(replace(certificate, infeasible=replace(certificate.infeasible, dual=nothing)), theorem).holds
 
 
+def test_a_face_that_makes_every_dual_matrix_zero_shows_nothing() -> None:
+    """Z = V W Vᵀ with V = 0 satisfies every equality, whatever the LMIs are; 1 ≤ x ≤ 2 has solutions."""
+    certificate, theorem = contradiction(2)
+    assert certificate.infeasible
+    empty = np.zeros((1, 1), dtype=object)
+    dual = Dual((fractions([[1]]), fractions([[1]])), (empty, empty), ())
+    assert not verify(replace(certificate, infeasible=replace(certificate.infeasible, dual=dual)), theorem).holds
+
+
 @pytest.fixture
 def above() -> tuple[Certificate, Theorem]:
     """The certificate of the least μ above ρ on [1, 2], which is 2, and its theorem."""
