@@ -185,6 +185,15 @@ def test_one_symbol_on_two_axes_is_no_point_of_the_domain(above: tuple[Certifica
     assert "outside the domain" in verify(replace(certificate, lower=at_four), theorem).reason
 
 
+def test_a_file_that_a_certificate_names_is_not_run(first_order: Certificate, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text("from pathlib import Path\nPath(__file__).with_name('run').touch()\n")
+    for name in (str(tmp_path / "mine.py"), f"{tmp_path / 'mine.py'}:robust"):
+        verdict = verify(replace(first_order, theorem=name))
+        assert verdict.reason.endswith("is not one of the library; name its file with --theorem")
+    assert not (tmp_path / "run").exists()
+    assert "with --theorem" in verify(replace(first_order, theorem="mine")).reason
+
+
 def test_shown_ends_are_rounded_outwards() -> None:
     ends = Enclosure(Standing.CERTIFIED, Fraction(2, 3), Fraction(2, 3), True)
     assert str(ends) == "[0.666666666, 0.666666667]"
