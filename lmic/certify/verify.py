@@ -109,6 +109,9 @@ def _check_data(certificate: Certificate, theorem: Theorem) -> None:
     wanted = {symbol.name for symbol in theorem.givens} | set(certificate.plant.scalars)
     if set(certificate.scalars) != wanted:
         raise CertificateError(f"the scalars are {_names(certificate.scalars)} where {_names(wanted)} are needed")
+    components = {component for domain in certificate.plant.domains.values() for component in domain.components}
+    if wanted & components:
+        raise CertificateError(f"{min(wanted & components)} is a scalar and a component of a parameter; rename one")
     unknowns = {symbol.name for symbol in theorem.scalar_unknowns} | set(theorem.unknowns)
     if set(certificate.unknowns) != unknowns:
         raise CertificateError(f"the unknowns are {_names(certificate.unknowns)} where {_names(unknowns)} are needed")
