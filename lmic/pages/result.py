@@ -107,7 +107,7 @@ def reported(result: Result, certificate: Certificate | None = None) -> list[Rep
         Reported(
             mathml(" = ".join(dict.fromkeys([sp.latex(sp.Symbol(name)), sp.latex(result.theorem.reports[name])]))),
             f"{value:.8g}",
-            enclosure(certificate, name).replace("\\[", "[") if certificate else known,
+            enclosure(certificate, name) if certificate else known,
         )
         for name, value in result.reports.items()
     ]
