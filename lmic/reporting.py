@@ -184,7 +184,7 @@ def infeasibility(certificate: Certificate) -> str:
         return f"no unknowns satisfy the LMIs, proven by {len(claim.functionals)} exact dual matrices"
     return (
         f"no unknowns of size {float(claim.radius):g} or less give every LMI a least eigenvalue above "
-        f"{float(claim.margin):.1e}, proven by {len(claim.functionals)} dual matrices"
+        f"{float(decimal_above(claim.margin, 2)):.1e}, proven by {len(claim.functionals)} dual matrices"
         f"{', and of smaller margins nothing is proven' if claim.margin else ''}"
     )
 

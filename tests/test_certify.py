@@ -43,6 +43,7 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
+from lmic.reporting import infeasibility
 
 ROOT = library.root()
 EXAMPLE_1 = ROOT / "peixoto2025" / "example1.toml"
@@ -516,3 +517,33 @@ def test_what_is_reached_is_not_refuted(first_order: Certificate, tmp_path: Path
     runner = CliRunner()
     assert runner.invoke(main, [*command, "1.9999"]).exit_code == 0
     assert runner.invoke(main, [*command, "2.0001"]).exit_code == 1
+
+
+def test_a_bound_on_less_than_the_theorem_refutes_nothing(
+    first_order: Certificate, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a relaxation's coefficients, or for unknowns up to a size, a bound is told and no more."""
+    words = ["--plant", str(EXAMPLE_1), "--set", "eps=150", "--below", "1.2"]
+    answer = CliRunner().invoke(main, ["refute", "peixoto2025.theorem1", *words])
+    assert answer.exit_code == 1
+    assert "(proven of the relaxation), which does not refute it" in answer.output
+    assert first_order.lower
+    bounded = replace(first_order, lower=replace(first_order.lower, radius=Fraction(10**6)))
+    lower = first_order.lower.reports["gamma"]
+    monkeypatch.setattr("lmic.certify.certify.refutation", lambda *_: (bounded, "gamma", lower))
+    plant = tmp_path / "first_order.toml"
+    plant.write_text("[matrices]\nA = [[0.5]]\nB = [[1]]\nC = [[1]]\nD = [[0]]\n")
+    command = ["refute", "standard.bounded_real_discrete", "--plant", str(plant), "--below", "1.9"]
+    answer = CliRunner().invoke(main, command)
+    assert answer.exit_code == 1
+    assert "(proven for unknowns up to 1e+06), which does not refute it" in answer.output
+    record = json.loads(CliRunner().invoke(main, [*command, "--json"]).output)
+    assert (record["refuted"], record["lower_bound_of"]) == (False, "theorem")
+    assert Fraction(record["lower"]) <= lower
+
+
+def test_an_upper_bound_on_a_margin_is_rounded_upwards() -> None:
+    certificate, _ = contradiction(0)
+    assert certificate.infeasible
+    claim = replace(certificate.infeasible, radius=Fraction(1), margin=Fraction(124, 10**9))
+    assert "a least eigenvalue above 1.3e-07" in infeasibility(replace(certificate, infeasible=claim))

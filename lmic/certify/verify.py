@@ -95,7 +95,7 @@ def proven(certificate: Certificate, theorem: Theorem, budget: int = BUDGET) -> 
         claim = certificate.infeasible
         check_infeasible(_finite(certificate, claim.functionals, statement, domain), claim)
         used += claim.functionals
-    return cells, bool(used) and all(axis.point is not None for functional in used for axis in functional.axes)
+    return cells, bool(used) and all(functional.at_point for functional in used)
 
 
 def _check_data(certificate: Certificate, theorem: Theorem) -> None:

@@ -40,10 +40,15 @@ def verify(file: Path, theorem: str | None, as_json: bool) -> None:
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the certificate to a file.")
 @JSON
 def refute(name: str, plant: Path, below: str, output: Path | None, as_json: bool, **choices: Any) -> None:
-    """Prove that no solution of a theorem reports so small a value; ends with 1 where that is not proven."""
+    """Prove that no solution of a theorem reports so small a value; ends with 1 where that is not proven.
+
+    A bound on the relaxation alone, or for unknowns up to a size, is told, and refutes nothing.
+    """
     from lmic.certify.certificate_file import write_certificate
     from lmic.certify.certify import refutation
+    from lmic.certify.document import decimal, decimal_below, float_below
     from lmic.pipeline import run
+    from lmic.reporting import SHOWN
 
     chosen = Choices(**choices)
     value = numbers([f"value={below}"], "--below")["value"]
@@ -53,11 +58,20 @@ def refute(name: str, plant: Path, below: str, output: Path | None, as_json: boo
     )
     if output:
         write_certificate(certificate, output)
-    refuted = lower > value
+    assert certificate.lower is not None
+    radius = certificate.lower.radius
+    about_theorem = all(functional.at_point for functional in certificate.lower.functionals)
+    refuted = lower > value and radius is None and about_theorem
     if as_json:
-        echo_json({"report": report, "below": float(value), "lower": float(lower), "refuted": refuted})
+        record = {"report": report, "below": float(value), "lower": float_below(lower), "refuted": refuted}
+        record |= {"lower_bound_of": "theorem" if about_theorem else "relaxation"}
+        echo_json(record | {"lower_for_unknowns_up_to": None if radius is None else float_below(radius)})
     else:
-        verdict = "so it cannot be reached" if refuted else "which does not refute it"
-        click.echo(f"{report} = {below}: {report} is at least {float(lower):.12g} (proven), {verdict}")
+        proven = "proven" if about_theorem else "proven of the relaxation"
+        proven += "" if radius is None else f" for unknowns up to {float_below(radius):g}"
+        verdict = "so it cannot be reached with these bases" if refuted else "which does not refute it"
+        click.echo(
+            f"{report} = {below}: {report} is at least {decimal(decimal_below(lower, SHOWN))} ({proven}), {verdict}"
+        )
     if not refuted:
         sys.exit(1)
