@@ -198,6 +198,9 @@ def test_a_file_that_a_certificate_names_is_not_run(first_order: Certificate, tm
 def test_shown_ends_are_rounded_outwards() -> None:
     ends = Enclosure(Standing.CERTIFIED, Fraction(2, 3), Fraction(2, 3), True)
     assert str(ends) == "[0.666666666, 0.666666667]"
+    for value in (Fraction(1, 10**400), Fraction(10**400, 3)):
+        assert 0 < document.decimal_below(value) <= value <= document.decimal_above(value)
+        assert 0 < document.root_below(value) ** 2 <= value <= document.root_above(value) ** 2
     for value in (Fraction(2, 3), Fraction(-1, 10), Fraction(1, 4)):
         assert Fraction(document.float_below(value)) <= value <= Fraction(document.float_above(value))
     assert document.float_below(Fraction(1, 4)) == document.float_above(Fraction(1, 4)) == 0.25
@@ -415,6 +418,12 @@ def test_damage_that_keeps_the_checksum_is_named(first_order: Certificate, chang
 def test_what_is_no_certificate_is_refused(content: bytes) -> None:
     with pytest.raises(CertificateError):
         parsed(content)
+
+
+def test_a_certificate_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    for name in ("absent.json", ".", "a\0b"):
+        with pytest.raises(CertificateError, match=r"; (check|give) the path"):
+            read_certificate(tmp_path / name)
 
 
 def test_plants_survive_their_text() -> None:
