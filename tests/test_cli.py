@@ -276,7 +276,7 @@ def test_reproduce_as_json(folder: Path) -> None:
         assert record["value"] == pytest.approx(value, abs=1e-4)
         assert record["violation"] == pytest.approx(0, abs=1e-9)
         assert (record["status"], record["verdict"]) == ("solved", verdict)
-        assert 0 < record["seconds"] < 60
+        assert record["seconds"] > 0
         assert record["frozen_norm"] <= record["value"]
         assert record["achieved"] <= record["value"]
 
