@@ -37,10 +37,9 @@ class Relaxation:
     """How parameters are made finite. Every mapping is keyed by a parameter (``r``), an instance
     (``r[c]``, ``alpha+``) or a component's symbol (``rho1``); the most special key wins.
 
-    ``method``: "auto" (affine → vertices, polynomial on a simplex or a joint polytope → Pólya,
-    otherwise grid),
-    "vertices", "polya" or "grid". ``polya``: degrees, 0 where nothing is said. ``grid``: the
-    points where a grid is used. ``ties``: instances that are equal, {"b": "a"}.
+    ``method``: "auto" (affine → vertices, polynomial on a simplex or a joint polytope → Pólya, otherwise grid),
+    "vertices", "polya" or "grid". ``polya``: degrees, 0 where nothing is said. ``grid``: the points where a grid is
+    used. ``ties``: instances that are equal, {"b": "a"}.
     """
 
     method: Mapping[str, str] = field(default_factory=dict)
