@@ -47,12 +47,16 @@ class Relaxation:
     grid: Mapping[str, Grid | int] = field(default_factory=dict)
     ties: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def joint(self) -> frozenset[str]:
+        """The parameters and instances whose grid has points of all components together."""
+        return frozenset(name for name, points in self.grid.items() if Grid.of(points).joint)
+
 
 def relax(binding: Binding, choice: Relaxation | None = None) -> list[LMIFamily]:
     """Finitely many LMIs for each parametric one."""
     choice = choice or Relaxation()
-    joint = frozenset(name for name, g in choice.grid.items() if isinstance(g, Grid) and g.joint)
-    geometry = space(binding, choice.ties, joint)
+    geometry = space(binding, choice.ties, choice.joint)
     _check_keys(choice, geometry)
     return [relax_lmi(lmi.renamed(geometry.equal), geometry, choice) for lmi in binding.lmis.values()]
 
