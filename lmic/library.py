@@ -15,12 +15,13 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lmic.errors import DefinitionError, LibraryError, LmicError
 from lmic.index import entries, files, group
 from lmic.index import root as root  # noqa: PLC0414
 from lmic.language.theorem import Theorem
+from lmic.plants.expressions import quoted
 
 #: characters of a foreign error that are shown
 LONGEST = 300
@@ -47,6 +48,22 @@ def theorem(name: str | Path) -> Theorem:
     return loaded.variant(place.variant, name=place.name)
 
 
+def shipped(name: Any) -> Theorem:
+    """The theorem of the library that a document names; a file is Python, and not run on the word of a document.
+
+    Raises LibraryError for anything that is no name of a theorem of the library.
+    """
+    if not isinstance(name, str) or _is_path(name):
+        raise LibraryError(f"its theorem, {quoted(name)}, is not one of the library; name its file with --theorem")
+    try:
+        locate(name)
+    except LibraryError as error:
+        raise LibraryError(
+            f"there is no theorem {quoted(name)} in the library; name the file of one of your own with --theorem"
+        ) from error
+    return theorem(name)
+
+
 class Located(NamedTuple):
     """Where a theorem is: its file, the variant in it (or an empty text), and the name that it goes by."""
 
@@ -58,8 +75,8 @@ class Located(NamedTuple):
 def locate(name: str | Path) -> Located:
     """Where the theorem of a name or path is; raises LibraryError where the library has none of that name."""
     text = str(name)
-    file, _, variant = text.rpartition(":") if ".py:" in text else (text, "", "")
-    if file.endswith(".py") or "/" in file:
+    if _is_path(text):
+        file, _, variant = text.rpartition(":") if ".py:" in text else (text, "", "")
         stem = Path(file).stem
         return Located(Path(file), variant, f"{stem}:{variant}" if variant else stem)
     if text in files():
@@ -73,6 +90,11 @@ def locate(name: str | Path) -> Located:
     if Path(f"{text}.py").is_file():
         hint = f"for the file here write ./{text}.py"
     raise LibraryError(f"there is no theorem '{text}' in the library; {hint}")
+
+
+def _is_path(text: str) -> bool:
+    """Whether a text names a file, or a variant in one, and no theorem of the library."""
+    return text.endswith(".py") or ".py:" in text or "/" in text
 
 
 def load_file(path: Path) -> Theorem:

@@ -10,13 +10,15 @@ import numpy as np
 from lmic.certify.certificate import Certificate, with_advice
 from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
 from lmic.certify.verify import Verdict
-from lmic.commands.terminal import console, table
+from lmic.commands.terminal import console, marked, table, warning
 from lmic.compiler.assemble import ConicProblem
 from lmic.index import group, plants
+from lmic.language.parameters import Parameter
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result
 from lmic.plants.domains import vertex_points
 from lmic.relax.family import LMIFamily
+from lmic.relax.space import space
 from lmic.solve.solution import Solution
 from lmic.sweeps.search import Found
 
@@ -73,9 +75,9 @@ def print_description(theorem: Theorem, problem: ConicProblem) -> None:
     """A theorem for people."""
     out = console()
     record = description(theorem, problem)
-    out.print(f"[bold]{theorem.name}[/bold]  {theorem.title}")
+    out.print(marked(theorem.name, f"  {theorem.title}"))
     out.print(str(theorem.source), style="dim")
-    out.print(f"\n{theorem.description}\n", markup=False)
+    out.print(f"\n{theorem.description}\n")
     out.print(f"data      {', '.join(f'{name} ({size})' for name, size in record['data'].items())}")
     if record["given"]:
         out.print(f"given     {', '.join(record['given'])}")
@@ -85,7 +87,7 @@ def print_description(theorem: Theorem, problem: ConicProblem) -> None:
     for name, expression in record["reports"].items():
         out.print(f"reports   {name} = {expression}")
     for name, node in theorem.recover.items():
-        out.print(f"recovers  {name} = {node}", markup=False)
+        out.print(f"recovers  {name} = {node}")
     unknowns = table("unknown", "size", "basis", "scalars")
     for name, unknown in record["unknowns"].items():
         unknowns.add_row(name, unknown["size"], ", ".join(unknown["basis"]), str(unknown["scalars"]))
@@ -109,9 +111,26 @@ def print_families(problem: ConicProblem) -> None:
         )
     out.print(relaxed)
     out.print(f"{problem.size} scalar unknowns, {len(problem.orders)} LMIs, soundness: {problem.soundness.value}")
-    independent = [str(p) for found in problem.binding.instances.values() for p in found if p.instance]
-    if independent:
-        out.print(f"{', '.join(independent)}: independent of the parameter now (no rate bound)")
+    for line in _independent(problem):
+        out.print(line)
+
+
+def _independent(problem: ConicProblem) -> list[str]:
+    """Which instances of a parameter vary by themselves in an LMI: a bounded step, a tie or a constant joins them."""
+    axes = space(problem.binding, problem.relaxation.ties).axes
+    found: dict[str, dict[str, None]] = {}
+    for family in problem.families:
+        occurring = {symbol for atom in family.lmi.monomials.atoms for symbol in atom.free_symbols}
+        for name in problem.binding.instances:
+            mine = [a.instance for a in axes if a.parameter == name and occurring & set(a.symbols)]
+            if len(set(mine)) > 1:
+                found.setdefault(name, {}).update(dict.fromkeys(mine))
+    lines = []
+    for name, several in found.items():
+        names = ", ".join(str(Parameter(name, instance=instance)) for instance in several if instance)
+        of = "the parameter now (no rate bound)" if "" in several else "one another"
+        lines.append(f"{names}: independent of {of}")
+    return lines
 
 
 def _size(shape: Sequence[Any]) -> str:
@@ -166,7 +185,7 @@ def infeasibility(certificate: Certificate) -> str:
         return f"no unknowns satisfy the LMIs, proven by {len(claim.functionals)} exact dual matrices"
     return (
         f"no unknowns of size {float(claim.radius):g} or less give every LMI a least eigenvalue above "
-        f"{float(claim.margin):.1e}, proven by {len(claim.functionals)} dual matrices"
+        f"{float(decimal_above(claim.margin, 2)):.1e}, proven by {len(claim.functionals)} dual matrices"
         f"{', and of smaller margins nothing is proven' if claim.margin else ''}"
     )
 
@@ -204,7 +223,7 @@ def _vertex_design(result: Result) -> dict[str, Any]:
 def print_result(result: Result, certificate: Certificate | None = None) -> None:
     """A result for people, with what is proven of it."""
     out, solution = console(), result.solution
-    out.print(f"[bold]{result.theorem.name}[/bold]  {result.theorem.title}")
+    out.print(marked(result.theorem.name, f"  {result.theorem.title}"))
     print_families(result.problem)
     notes = list(certificate.notes) if certificate else []
     proof = infeasibility(certificate) if certificate else ""
@@ -212,13 +231,13 @@ def print_result(result: Result, certificate: Certificate | None = None) -> None
         return
     for name, value in result.reports.items():
         known = enclosure(certificate, result.theorem, name) if certificate else unproven(result.theorem, name)
-        out.print(f"[bold]{name:<11} {value:.8g}[/bold]   {known}; relaxation {result.problem.soundness.value}")
+        out.print(marked(f"{name:<11} {value:.8g}", f"   {known}; relaxation {result.problem.soundness.value}"))
     if certificate and (certificate.upper or certificate.lower):
         out.print(f"proven from {certificate.solver}")
     for note in notes:
-        out.print(f"            {note}", markup=False)
-    for warning in solution.warnings:
-        out.print(f"[bold red]warning[/bold red]     {warning}")
+        out.print(f"            {note}")
+    for text in solution.warnings:
+        out.print(warning(text))
     if result.theorem.recover:
         print_design(result)
 
@@ -230,7 +249,7 @@ def print_solution(solution: Solution, seconds: float, proof: str = "", notes: S
     """
     out = console()
     for reason in solution.handovers:
-        out.print(f"handed over {reason}", markup=False)
+        out.print(f"handed over {reason}")
     words = ", ".join(f"{step.word} ({step.iterations})" for step in solution.passes)
     out.print(f"\nsolver      {solution.solver}: {words}; {solution.iterations} iterations in {seconds:.2f} s")
     out.print(f"status      {solution.status.value}")
@@ -238,7 +257,7 @@ def print_solution(solution: Solution, seconds: float, proof: str = "", notes: S
         if proof:
             out.print(f"proof       {proof}")
         for line in (*notes, solution.status.advice):
-            out.print(f"            {line}", markup=False)
+            out.print(f"            {line}")
         return False
     relative = f"relative to diag S: {abs(solution.relative_violation):.1e}"
     where = f", largest at {solution.worst}" if solution.violation < 0 else ""
@@ -289,7 +308,7 @@ def enclosure(certificate: Certificate, theorem: Theorem, name: str) -> str:
     width = f", {float((upper - lower) / abs(upper)):.0e} wide" if lower is not None and upper else ""
     radius = bound.radius if bound else None
     within = f", {_sides(theorem, name)[1]} end for unknowns up to {float(radius):.0e}" if radius else ""
-    return f"∈ \\[{ends[0]}, {ends[1]}] {certificate.standing.value}{width}{within}"
+    return f"∈ [{ends[0]}, {ends[1]}] {certificate.standing.value}{width}{within}"
 
 
 def _sides(theorem: Theorem, report: str) -> tuple[str, str]:
@@ -305,7 +324,7 @@ def verdict_record(certificate: Certificate, verdict: Verdict) -> dict[str, Any]
         "holds": verdict.holds,
         "reason": verdict.reason,
         "cells": verdict.cells,
-        "lower_bound_of": "theorem" if verdict.about_theorem else "relaxation",
+        "bound_of": "theorem" if verdict.about_theorem else "relaxation",
     } | (certificate_record(certificate, verdict.theorem) if verdict.theorem else {"soundness": verdict.standing.value})
 
 
@@ -313,12 +332,12 @@ def print_verdict(certificate: Certificate, verdict: Verdict) -> None:
     """The outcome of proving a certificate anew for people."""
     out = console()
     scalars = ", ".join(f"{name} = {value}" for name, value in certificate.scalars.items())
-    out.print(f"[bold]{certificate.theorem}[/bold] for {certificate.plant.name}{f', {scalars}' if scalars else ''}")
+    out.print(marked(certificate.theorem, f" for {certificate.plant.name}{f', {scalars}' if scalars else ''}"))
     if certificate.library_plant:
         out.print(f"data        those of the library's {certificate.library_plant}")
     theorem = verdict.theorem
     if not theorem:
-        out.print(f"[bold red]failed[/bold red]      {with_advice(verdict.reason)}")
+        out.print(marked("failed", f"      {with_advice(verdict.reason)}", "bold red"))
         return
     names = dict.fromkeys(n for bound in (certificate.upper, certificate.lower) if bound for n in bound.reports)
     for name in names:

@@ -23,12 +23,11 @@ from lmic.certify import certificate_file, document
 from lmic.certify.certificate import Certificate
 from lmic.compiler.assemble import ConicProblem
 from lmic.compiler.layout import UnknownLayout
-from lmic.errors import LmicError, Place, ResultError
+from lmic.errors import LibraryError, LmicError, Place, ResultError
 from lmic.files import read_at_most, write_whole
 from lmic.fingerprint import digest, promises, statement
 from lmic.language.theorem import Theorem
 from lmic.pipeline import Result, compile, reports
-from lmic.plants.expressions import quoted
 from lmic.recover.recover import recover
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
@@ -68,8 +67,8 @@ def read_result(path: str | os.PathLike[str], theorem: Theorem | None = None) ->
     file = Path(path)
     tables = _parsed(file)
     try:
-        return _result(tables, theorem or _library_theorem(tables["theorem"]))
-    except ResultError as error:
+        return _result(tables, theorem or library.shipped(tables["theorem"]))
+    except (LibraryError, ResultError) as error:
         raise ResultError(f"{file}: {error}") from error
     except LmicError as error:
         raise ResultError(f"{file} does not compile any more: {error}") from error
@@ -155,13 +154,6 @@ def _parsed(file: Path) -> dict[str, Any]:
         raise ResultError(f"{file} does not have the checksum that it states: it was changed or cut; solve again")
     found: dict[str, Any] = tables
     return found
-
-
-def _library_theorem(name: Any) -> Theorem:
-    """A theorem of the library; a file that a result names is Python, and not run on its word."""
-    if not isinstance(name, str) or name.endswith(".py") or ".py:" in name or "/" in name:
-        raise ResultError(f"its theorem, {quoted(name)}, is not one of the library; name its file with --theorem")
-    return library.theorem(name)
 
 
 def _result(tables: Mapping[str, Any], theorem: Theorem) -> tuple[Result, Certificate | None]:

@@ -33,7 +33,7 @@ from lmic.certify.relaxed import functionals
 from lmic.certify.statement import Statement, fractions
 from lmic.certify.verify import verify
 from lmic.cli import main
-from lmic.dsl import PD, Bisection, I, Scalar, Source, Theorem, given, star
+from lmic.dsl import PD, Bisection, Box, Data, I, Scalar, Source, Theorem, given, star
 from lmic.errors import CertificateError
 from lmic.language.parameters import instance_symbol
 from lmic.papers.enclosures import Enclosure
@@ -43,7 +43,7 @@ from lmic.plants.files import read_plant
 from lmic.plants.plant import Plant, exact_array
 from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
-from lmic.reporting import unproven
+from lmic.reporting import infeasibility, unproven
 
 ROOT = library.root()
 EXAMPLE_1 = ROOT / "peixoto2025" / "example1.toml"
@@ -192,9 +192,63 @@ def test_infeasibility_needs_a_dual_that_shows_it() -> None:
     assert not verify(replace(certificate, infeasible=replace(certificate.infeasible, dual=nothing)), theorem).holds
 
 
+def test_a_face_that_makes_every_dual_matrix_zero_shows_nothing() -> None:
+    """Z = V W Vᵀ with V = 0 satisfies every equality, whatever the LMIs are; 1 ≤ x ≤ 2 has solutions."""
+    certificate, theorem = contradiction(2)
+    assert certificate.infeasible
+    empty = np.zeros((1, 1), dtype=object)
+    dual = Dual((fractions([[1]]), fractions([[1]])), (empty, empty), ())
+    assert not verify(replace(certificate, infeasible=replace(certificate.infeasible, dual=dual)), theorem).holds
+
+
+@pytest.fixture
+def above() -> tuple[Certificate, Theorem]:
+    """The certificate of the least μ above ρ on [1, 2], which is 2, and its theorem."""
+    mu, rho = Scalar("mu"), Box("rho")
+    theorem = Theorem(
+        lmis={"above": PD(mu * I(1) - Data("A", 1, 1)(rho))},
+        source=Source("N. N.", "A test", "unpublished", 2026),
+        minimise=mu,
+        reports={"mu": mu},
+        name="above",
+    )
+    r = sp.Symbol("r")
+    plant = Plant(
+        {"A": MatrixPolynomial.from_sympy(sp.Matrix([[r]]))}, {"rho": BoxDomain(("r",), (Fraction(1),), (Fraction(2),))}
+    )
+    return certify(run(compile(theorem, plant))), theorem
+
+
+def test_one_symbol_on_two_axes_is_no_point_of_the_domain(above: tuple[Certificate, Theorem]) -> None:
+    """Twice ρ = 2 would be the LMI at ρ = 4, from which the false bound 4 follows."""
+    certificate, theorem = above
+    assert certificate.lower
+    assert verify(certificate, theorem).holds
+    axis = Coefficient((sp.Symbol("r"),), ((Fraction(2),),), (1,))
+    dual = Dual((fractions([[1]]),), (None,), ())
+    at_two = replace(
+        certificate.lower, reports={"mu": Fraction(2)}, functionals=(Functional("above", (axis,)),), dual=dual
+    )
+    assert verify(replace(certificate, lower=at_two), theorem).holds
+    at_four = replace(at_two, reports={"mu": Fraction(4)}, functionals=(Functional("above", (axis, axis)),))
+    assert "outside the domain" in verify(replace(certificate, lower=at_four), theorem).reason
+
+
+def test_a_file_that_a_certificate_names_is_not_run(first_order: Certificate, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text("from pathlib import Path\nPath(__file__).with_name('run').touch()\n")
+    for name in (str(tmp_path / "mine.py"), f"{tmp_path / 'mine.py'}:robust"):
+        verdict = verify(replace(first_order, theorem=name))
+        assert verdict.reason.endswith("is not one of the library; name its file with --theorem")
+    assert not (tmp_path / "run").exists()
+    assert "with --theorem" in verify(replace(first_order, theorem="mine")).reason
+
+
 def test_shown_ends_are_rounded_outwards() -> None:
     ends = Enclosure(Standing.CERTIFIED, Fraction(2, 3), Fraction(2, 3), True)
     assert str(ends) == "[0.666666666, 0.666666667]"
+    for value in (Fraction(1, 10**400), Fraction(10**400, 3)):
+        assert 0 < document.decimal_below(value) <= value <= document.decimal_above(value)
+        assert 0 < document.root_below(value) ** 2 <= value <= document.root_above(value) ** 2
     for value in (Fraction(2, 3), Fraction(-1, 10), Fraction(1, 4)):
         assert Fraction(document.float_below(value)) <= value <= Fraction(document.float_above(value))
     assert document.float_below(Fraction(1, 4)) == document.float_above(Fraction(1, 4)) == 0.25
@@ -414,6 +468,12 @@ def test_what_is_no_certificate_is_refused(content: bytes) -> None:
         parsed(content)
 
 
+def test_a_certificate_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    for name in ("absent.json", ".", "a\0b"):
+        with pytest.raises(CertificateError, match=r"; (check|give) the path"):
+            read_certificate(tmp_path / name)
+
+
 def test_plants_survive_their_text() -> None:
     for file in sorted(ROOT.glob("*/*.toml")):
         if file.name != "cases.toml":
@@ -537,3 +597,33 @@ def test_what_is_maximised_is_refuted_above(tmp_path: Path) -> None:
         refused = CliRunner().invoke(main, [*command, *option])
         assert refused.exit_code == 1
         assert words in refused.output
+
+
+def test_a_bound_on_less_than_the_theorem_refutes_nothing(
+    first_order: Certificate, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a relaxation's coefficients, or for unknowns up to a size, a bound is told and no more."""
+    words = ["--plant", str(EXAMPLE_1), "--set", "eps=150", "--below", "1.2"]
+    answer = CliRunner().invoke(main, ["refute", "peixoto2025.theorem1", *words])
+    assert answer.exit_code == 1
+    assert "(proven of the relaxation), which does not refute it" in answer.output
+    assert first_order.lower
+    bounded = replace(first_order, lower=replace(first_order.lower, radius=Fraction(10**6)))
+    lower = first_order.lower.reports["gamma"]
+    monkeypatch.setattr("lmic.certify.certify.refutation", lambda *_: (bounded, "gamma", lower))
+    plant = tmp_path / "first_order.toml"
+    plant.write_text("[matrices]\nA = [[0.5]]\nB = [[1]]\nC = [[1]]\nD = [[0]]\n")
+    command = ["refute", "standard.bounded_real_discrete", "--plant", str(plant), "--below", "1.9"]
+    answer = CliRunner().invoke(main, command)
+    assert answer.exit_code == 1
+    assert "(proven for unknowns up to 1e+06), which does not refute it" in answer.output
+    record = json.loads(CliRunner().invoke(main, [*command, "--json"]).output)
+    assert (record["refuted"], record["bound_of"]) == (False, "theorem")
+    assert Fraction(record["lower"]) <= lower
+
+
+def test_an_upper_bound_on_a_margin_is_rounded_upwards() -> None:
+    certificate, _ = contradiction(0)
+    assert certificate.infeasible
+    claim = replace(certificate.infeasible, radius=Fraction(1), margin=Fraction(124, 10**9))
+    assert "a least eigenvalue above 1.3e-07" in infeasibility(replace(certificate, infeasible=claim))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 import sympy as sp
 
+from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.compiler.lower import lower
 from lmic.compiler.terms import term_lists
 from lmic.dsl import (
@@ -21,6 +23,7 @@ from lmic.dsl import (
     He,
     I,
     Matrix,
+    Parameter,
     Scalar,
     Simplex,
     Source,
@@ -45,6 +48,7 @@ from lmic.errors import (
     ShapeError,
 )
 from lmic.pipeline import compile
+from lmic.plants.domains import BoxDomain
 from lmic.plants.plant import Plant, exact_number
 
 n, m = dims("n m")
@@ -63,6 +67,7 @@ CASES: list[tuple[type[LmicError], Callable[[], Any], list[str]]] = [
     (NotAffineError, lambda: [[He(P(alpha) * G)]],
      ["faulty / dissipation / block (1,1)", "P(alpha)*G(alpha)", "new unknown"]),
     (NotAffineError, lambda: [[mu * P(alpha)]], ["block (1,1)", "mu", "P(alpha)"]),
+    (NotAffineError, lambda: [[He(inv(mu * I(n)))]], ["block (1,1)", "inv(mu*I(n)) inverts the unknown mu"]),
     (NotAffineError, lambda: [[mu**2 * I(n)]], ["block (1,1)", "mu**2", "not affine"]),
     (NotAffineError, lambda: [[He(inv(G) * A)]], ["inv(G(alpha))", "Schur complement"]),
     (AsymmetryError, lambda: [[G]], ["block (1,1)", "G(alpha) is not symmetric", "He("]),
@@ -202,6 +207,26 @@ def test_a_given_scalar_wants_a_value_or_a_search() -> None:
         PlantError, match="rename it in the plant, or remove it there and give the theorem's, as beta=1"
     ):
         compile(sought, Plant({}, scalars={"beta": exact_number(1)}), sizes={"n": 1})
+
+
+def test_a_name_of_two_scalars_is_refused() -> None:
+    with pytest.raises(DefinitionError, match="mu is both a scalar unknown and a given scalar"):
+        statement([[mu * I(n) + given("mu") * I(n)]])
+    with pytest.raises(DefinitionError, match="P is both a scalar and a matrix unknown"):
+        statement([[P(alpha) + given("P") * I(n)]])
+
+
+def test_a_given_scalar_that_is_a_component_is_refused() -> None:
+    """Its value would be taken for the whole interval: at beta = 0 this plant is stable, at beta = 1 it is not."""
+    rho, beta = Parameter("rho"), given("beta")
+    X, F = Symmetric("P", n), Data("A", n, n)(rho)
+    lmis = {"positive": PD(X), "decay": ND(He(X * F) + 2 * beta * X)}
+    theorem = Theorem(lmis=lmis, source=SOURCE, name="clash")
+    b = sp.Symbol("beta")
+    box = BoxDomain(("beta",), (Fraction(0),), (Fraction(1),))
+    unstable = Plant({"A": MatrixPolynomial.from_sympy(sp.Matrix([[2 * b - 1]]))}, {"rho": box})
+    with pytest.raises(PlantError, match="beta is a scalar of the theorem and a component of rho in plant; rename it"):
+        compile(theorem, unstable, {"beta": 0})
 
 
 def test_not_a_number() -> None:

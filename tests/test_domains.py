@@ -357,3 +357,11 @@ def test_uniform_grids_are_nested_and_contain_the_ends() -> None:
         assert len(labels[-1]) == count
     assert all(coarse < fine for coarse, fine in pairwise(labels))
     assert labels[0] == {"r1 = -1", "r1 = 1"}
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e-9, 1e-13])
+def test_a_step_on_a_small_interval_keeps_its_polytope(unit: float) -> None:
+    """In any unit of the parameter the six vertices are those of a step of a tenth of the interval."""
+    box = BoxDomain(("r",), (Fraction(0),), (Fraction(unit),))
+    found = joint_step(box, {"r": unit / 10}).vertices / unit
+    assert found == pytest.approx(np.array([[0, 0], [0, 0.1], [0.1, 0], [0.9, 1], [1, 0.9], [1, 1]]), abs=1e-9)

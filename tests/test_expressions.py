@@ -211,10 +211,10 @@ def test_refuses(text: str, message: str) -> None:
     ],
 )
 def test_an_expensive_text_is_refused_at_once(text: str, message: str) -> None:
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(ExpressionError, match=message) as caught:
         parse(text, SYMBOLS)
-    assert time.perf_counter() - started < 1
+    assert time.process_time() - started < 1
     assert len(str(caught.value)) < 300
 
 
@@ -232,9 +232,9 @@ def test_an_expensive_text_is_refused_at_once(text: str, message: str) -> None:
     ],
 )
 def test_sympy_is_kept_from_expensive_rules(text: str) -> None:
-    started = time.perf_counter()
+    started = time.process_time()
     refused_or_finite(text)
-    assert time.perf_counter() - started < 2
+    assert time.process_time() - started < 2
 
 
 def test_limits_leave_room() -> None:

@@ -163,7 +163,7 @@ def test_the_gallery_keeps_its_pages(tmp_path: Path) -> None:
     assert "pages are in site" in said
 
 
-#: one solver on a problem of a few seconds, interrupted after a fraction of one
+#: one solver, interrupted while it computes: Clarabel after its first iteration, SCS, which would take hours, at once
 SOLVING = """
 import os, signal, sys, threading, time
 import numpy as np, scipy.sparse as sps
@@ -178,19 +178,36 @@ identity[np.arange(order) * (np.arange(order) + 3) // 2] = 1
 matrix = generator.standard_normal((len(identity), size))
 data = ConeData(matrix.T @ identity, sps.csc_array(matrix), 50 * identity, np.array([order]))
 solver = getattr(import_module(entry.module), entry.attribute)(**settings)
+begun, pressed = threading.Event(), threading.Event()
 def press():  # until it is noticed: before SCS listens, it is Python that hears it
-    time.sleep(0.5)
+    begun.wait()
     while running:
         os.kill(os.getpid(), signal.SIGINT)
+        pressed.set()
         time.sleep(1)
 running = True
-threading.Thread(target=press).start()
+threading.Thread(target=press, daemon=True).start()
+if sys.argv[1] == "scs":
+    begun.set()
+else:
+    import contextlib, lmic.solve.clarabel
+    noticed = lmic.solve.clarabel.noticed
+    @contextlib.contextmanager
+    def watched():
+        with noticed() as stop:
+            def asked():  # after each iteration
+                if begun.is_set():
+                    pressed.wait()
+                begun.set()
+                return stop()
+            yield asked
+    lmic.solve.clarabel.noticed = watched
 try:
     answer = solver(data)
     print("solved", answer.word)
 except KeyboardInterrupt:
     running = False
-    print("stopped")
+    print("stopped" if begun.is_set() else "too soon")
 assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 """
 

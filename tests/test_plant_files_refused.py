@@ -294,14 +294,14 @@ def test_refuses_repeated_and_foreign_members(tmp_path: Path) -> None:
 
 
 def refused_or_read(path: Path, content: bytes) -> None:
-    started = time.perf_counter()
+    started = time.process_time()
     try:
         plant = read_plant(write(path, content))
     except PlantError as error:
         assert str(error).startswith(f"{path}: ")
     else:
         assert isinstance(plant, Plant)
-    assert time.perf_counter() - started < 2
+    assert time.process_time() - started < 2
 
 
 @pytest.fixture(scope="module")

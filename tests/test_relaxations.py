@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -9,6 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,7 +20,7 @@ import sympy as sp
 from lmic import library
 from lmic.algebra.polynomials import MatrixPolynomial
 from lmic.compiler.assemble import ConicProblem
-from lmic.dsl import PD, Scalar, Source, Theorem, given, star
+from lmic.dsl import PD, Bisection, Data, I, Scalar, Simplex, Source, Theorem, given, star
 from lmic.errors import DomainError, LmicError, RelaxationError
 from lmic.pipeline import finish, prepare, run
 from lmic.plants.domains import BoxDomain, Motion
@@ -30,7 +32,7 @@ from lmic.relax.grid import Grid
 from lmic.relax.relax import Relaxation
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import Status
-from lmic.solve.exchange import solve_by_exchange
+from lmic.solve.exchange import complete, solve_by_exchange
 from lmic.solve.scaling import slack_matrices
 from lmic.solve.solve import EXCHANGE_FROM
 from lmic.solve.whole import solve_whole
@@ -236,7 +238,8 @@ except RelaxationError as error:
 def test_too_large_a_grid_is_refused_before_it_is_written_down(count: int, kind: str) -> None:
     """In a process of its own, whose memory is bounded: a grid that is written down first must not hurt."""
     command = [sys.executable, "-c", TOO_LARGE, str(WU / "example.toml"), str(count), kind]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}  # each of its threads takes some, on many cores all
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-500:]
     message, used = done.stdout.splitlines()
     assert "GB" in message
@@ -409,3 +412,33 @@ def test_bisection_finds_the_spectral_radius() -> None:
 def test_searches_that_cannot_be_done(example_1: Plant) -> None:
     with pytest.raises(LmicError, match="nothing is declared to be bisected; use a line search"):
         bisect(prepare(library.theorem("peixoto2025.theorem1"), example_1), 1, 2)
+
+
+def test_a_bisection_towards_zero_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Feasible at every positive value, or at zero alone: no bracket is ever narrow beside its own ends."""
+    for goal, holds in (("minimise", lambda beta: beta > 0), ("maximise", lambda beta: beta <= 0)):
+        calls: list[float] = []
+
+        def solved(values: dict[str, float], *_: Any, holds: Any = holds, calls: list[float] = calls) -> Any:
+            calls.append(values["beta"])
+            assert len(calls) < 100
+            status = Status.SOLVED if holds(values["beta"]) else Status.INFEASIBLE
+            return SimpleNamespace(solution=SimpleNamespace(status=status))
+
+        monkeypatch.setattr("lmic.sweeps.search.finish", lambda binding, values, relaxation: values)
+        monkeypatch.setattr("lmic.sweeps.search.run", solved)
+        binding: Any = SimpleNamespace(theorem=SimpleNamespace(name="t", bisect=Bisection(given("beta"), goal)))
+        assert abs(bisect(binding, 0, 2).value) <= 1e-11
+
+
+def test_violations_are_those_of_all_lmis() -> None:
+    """mu ≥ 1, solved alone, is missed by mu ≥ 3 by two, and by mu ≥ 2 by one."""
+    mu, alpha = Scalar("mu"), Simplex("alpha")
+    lmis = {"above": PD(mu * I(1) - Data("A", 1, 1)(alpha))}
+    theorem = Theorem(lmis=lmis, source=Source("N. N.", "A test", "unpublished", 2026), minimise=mu, name="above")
+    problem = finish(prepare(theorem, Plant.polytopic(A=[[[1]], [[3]], [[2]]])))
+    active = np.array([0])
+    found = complete(problem, active, solve_whole(problem.restricted(active), Clarabel()))
+    assert found.violation == pytest.approx(-2, abs=1e-6)
+    assert found.relative_violation == pytest.approx(-1)
+    assert found.worst == problem.label(1) or found.worst == problem.label(2)

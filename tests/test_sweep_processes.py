@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -110,6 +111,35 @@ def test_an_interrupted_sweep_says_how_to_resume(tmp_path: Path) -> None:
     assert "Traceback" not in err
     until(lambda: group_is_gone(process.pid))
     resumed(file)
+
+
+def of_group(group: int) -> list[int]:
+    """The processes of a group."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it has ended
+            if path.read_text(errors="replace").rpartition(")")[2].split()[2] == str(group):
+                found.append(int(path.parent.name))
+    return found
+
+
+def listens(process: int) -> bool:
+    """Whether a process does not ignore Ctrl-C."""
+    (ignored,) = re.findall(r"SigIgn:\s*(\w+)", Path(f"/proc/{process}/status").read_text(encoding="utf-8"))
+    return not int(ignored, 16) >> (signal.SIGINT - 1) & 1
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="counts processes as Linux shows them")
+def test_workers_that_only_begin_hear_no_interrupt(tmp_path: Path) -> None:
+    """Whatever a worker imports at that moment, Ctrl-C is said in one line."""
+    process = started(tmp_path / "s.jsonl")
+    # it, two workers, and what keeps their memory in order; while they are started it hears nothing either
+    until(lambda: len(of_group(process.pid)) >= 4 and listens(process.pid), process)
+    assert [one for one in of_group(process.pid) if listens(one)] == [process.pid]
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=DEADLINE)
+    assert process.returncode == 130, (out, err)
+    assert err.startswith("interrupted; "), err
 
 
 def test_a_lost_worker_is_said_and_what_was_done_is_kept(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -145,6 +146,9 @@ def test_axes_refused(key: str, values: Any, words: list[str]) -> None:
         ({"b": "1,2"}, {}, PlantError, ["b is no scalar", "a, c"]),
         ({"dependence:Q": "1"}, {}, SweepError, ["Q is no unknown", "which has P"]),
         ({"a": "0,1"}, {"given": {"a": 0}}, SweepError, ["a is both fixed and swept over"]),
+        ({"grid:rho": "2,3"}, {"relaxation": Relaxation(grid={"rho": 5})}, SweepError, ["rho is both fixed and swept"]),
+        ({"polya:rho": "0,1"}, {"relaxation": Relaxation(polya=2)}, SweepError, ["degrees are fixed while polya rho"]),
+        ({"polya": "0,1"}, {"relaxation": Relaxation(polya={"rho": 2})}, SweepError, ["degrees are fixed while polya"]),
         ({"a": "0,1"}, {"search": ("a", 0, 1)}, SweepError, ["a is both searched and swept over"]),
         ({"a": "0:0.9:10000", "c": "1:2:10000"}, {}, SweepError, ["100000000 points", "coarsen"]),
         ({"a": "0,1"}, {"jobs": 0}, SweepError, ["0 processes"]),
@@ -296,6 +300,13 @@ def test_least_over_an_axis(plant: Plant) -> None:
         swept.values("delta")
 
 
+def test_least_over_labels(plant: Plant) -> None:
+    over = {"a": "2,0.1", "dependence:P": "constant,1"}
+    least, where = lmic.sweep(lmic.theorem(LEMMA), plant, over, jobs=1).least("gamma", "dependence P")
+    assert np.isnan(least[0])
+    assert where.tolist() == [None, "1"]
+
+
 @pytest.fixture
 def swept(plant: Plant) -> Swept:
     return lmic.sweep(lmic.theorem(LEMMA), plant, {"a": "0.1,2", "c": "1,2"}, jobs=1)
@@ -405,6 +416,20 @@ def test_the_file_of_another_problem_is_refused(plant: Plant, tmp_path: Path) ->
         with pytest.raises(SweepError, match=f"another problem .*{word}"):
             lmic.sweep(theorem, data, axes, file=path, jobs=1, **choices)
     assert path.read_bytes() == before
+
+
+def test_a_file_that_was_refused_may_be_mended_and_taken(plant: Plant, tmp_path: Path) -> None:
+    """The error is kept, as a notebook keeps the last one; the file's lock is not."""
+    path = tmp_path / "s.jsonl"
+    lmic.sweep(lmic.theorem(LEMMA), plant, {"a": "0.1"}, file=path, jobs=1)
+    size = path.stat().st_size
+    with path.open("ab") as stream:
+        stream.write(b"{}\n")
+    with pytest.raises(SweepError, match="remove the line") as kept:
+        lmic.sweep(lmic.theorem(LEMMA), plant, {"a": "0.1"}, file=path, jobs=1)
+    os.truncate(path, size)
+    assert lmic.sweep(lmic.theorem(LEMMA), plant, {"a": "0.1"}, file=path, jobs=1).statuses == {"solved": 1}
+    assert kept.value.place is not None
 
 
 def test_other_files_are_refused_and_left_alone(plant: Plant, tmp_path: Path) -> None:

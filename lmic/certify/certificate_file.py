@@ -18,8 +18,8 @@ from lmic.certify.certificate import Certificate, Lower, Unknown, Upper, with_ad
 from lmic.certify.finite import Coefficient, Functional
 from lmic.certify.infeasible import Infeasible
 from lmic.certify.lower import Dual, Pivot
-from lmic.errors import CertificateError, PlantError
-from lmic.files import write_whole
+from lmic.errors import CertificateError, LmicError, PlantError
+from lmic.files import read_at_most, write_whole
 from lmic.plants.expressions import parse, quoted
 
 FORMAT = "lmic certificate 2"
@@ -39,10 +39,9 @@ def read_certificate(path: str | os.PathLike[str]) -> Certificate:
     """The certificate in a file; raises CertificateError, naming the file, for anything else."""
     file = Path(path)
     try:
-        with file.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise CertificateError(f"{file} cannot be read ({error.strerror}); check the path") from error
+        content = read_at_most(file, MAX_BYTES)
+    except LmicError as error:
+        raise CertificateError(f"{file} {error}") from error
     try:
         return parsed(content)
     except CertificateError as error:

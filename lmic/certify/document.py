@@ -92,7 +92,8 @@ def float_above(value: Fraction) -> float:
 
 def _unit(value: Fraction, digits: int, root: int = 1) -> Fraction:
     """One in the last of the significant digits of the value's root."""
-    size = floor(log10(abs(value)) / root) if value else 0
+    # of numerator and denominator by themselves, since a fraction may be beyond all floats
+    size = floor((log10(abs(value.numerator)) - log10(value.denominator)) / root) if value else 0
     return Fraction(10) ** (size - digits + 1)
 
 

@@ -58,6 +58,11 @@ class Functional:
     lmi: str
     axes: tuple[Coefficient, ...]
 
+    @property
+    def at_point(self) -> bool:
+        """Whether it is the value at a point: the theorem asks for that, and for other coefficients a relaxation."""
+        return all(axis.point is not None for axis in self.axes)
+
     def weights(self, polynomial: MatrixPolynomial) -> list[Any]:
         """Its value for each monomial of a matrix."""
         return self.monomial_weights(polynomial.monomials)
@@ -139,10 +144,7 @@ class FiniteLMI:
 
 @dataclass(frozen=True)
 class FiniteProblem:
-    """minimise cost·x + constant subject to every LMI positive semidefinite, all exact.
-
-    ``names`` are the unknowns with their basis functions, in the order of their coordinates.
-    """
+    """minimise cost·x + constant subject to every LMI positive semidefinite, all exact; ``cost`` has shape (size,)."""
 
     lmis: tuple[FiniteLMI, ...]
     cost: Array

@@ -49,7 +49,7 @@ def check_infeasible(problem: FiniteProblem, claim: Infeasible) -> None:
     """Raise CertificateError unless the dual matrices prove the claim."""
     problem = feasibility_of(problem)
     if claim.radius is None:
-        proves = not is_zero(claim.dual) and lower_bound(problem, claim.dual) >= 0
+        proves = lower_bound(problem, claim.dual) >= 0 and not is_zero(claim.dual)
     else:
         proves = largest_margin(problem, claim) <= claim.margin <= MARGIN
     if not proves:
@@ -72,5 +72,7 @@ def largest_margin(problem: FiniteProblem, claim: Infeasible) -> Fraction:
 
 
 def is_zero(dual: Dual) -> bool:
-    """Whether all dual matrices are zero, which proves nothing."""
-    return not any(matrix.size for matrix in dual.matrices)
+    """Whether all Z = V W Vᵀ with W ≻ 0 are zero, which proves nothing: no W has a row, or its V vanishes."""
+    return not any(
+        matrix.size and (face is None or face.any()) for matrix, face in zip(dual.matrices, dual.faces, strict=True)
+    )

@@ -87,9 +87,8 @@ def certify_domain(
 
 def _with_point(binding: Binding, relaxation: Relaxation, where: Mapping[sp.Symbol, Fraction]) -> Relaxation:
     """The relaxation with the point's coordinates in the grid of every gridded axis."""
-    joint = frozenset(name for name, grid in relaxation.grid.items() if isinstance(grid, Grid) and grid.joint)
     grids: dict[str, Grid | int] = dict(relaxation.grid)
-    for axis in space(binding, relaxation.ties, joint).axes:
+    for axis in space(binding, relaxation.ties, relaxation.joint).axes:
         if any(key in relaxation.grid for key in axis.keys):
             points = grid_points(axis, chosen_grid(axis, relaxation))
             new = np.array([[float(where[symbol]) for symbol in axis.symbols]])

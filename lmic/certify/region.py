@@ -36,6 +36,9 @@ def inside(functional: Functional, domain: ProofDomain) -> bool:
 
     That is decided for intervals and unit simplexes, and for the vertices of any other axis.
     """
+    symbols = [symbol for coefficient in functional.axes for symbol in coefficient.symbols]
+    if len(set(symbols)) < len(symbols):  # its values on two axes would multiply to one outside
+        return False
     for coefficient in functional.axes:
         axes = [axis for axis in domain.axes if set(axis.symbols) & set(coefficient.symbols)]
         if {symbol for axis in axes for symbol in axis.symbols} != set(coefficient.symbols):

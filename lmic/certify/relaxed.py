@@ -14,15 +14,14 @@ from lmic.certify.finite import Coefficient, Functional
 from lmic.compiler.assemble import ConicProblem
 from lmic.plants.domains import BoxDomain, Domain, SimplexDomain
 from lmic.relax.family import AxisRelaxation, LMIFamily
-from lmic.relax.grid import Grid, grid_points
+from lmic.relax.grid import grid_points
 from lmic.relax.relax import Relaxation, chosen_grid
 from lmic.relax.space import Axis, space
 
 
 def functionals(problem: ConicProblem, relaxation: Relaxation, domain: ProofDomain) -> list[Functional]:
     """The functional of every LMI of the problem, in their order; ``domain`` has the exact vertices."""
-    joint = frozenset(name for name, grid in relaxation.grid.items() if isinstance(grid, Grid) and grid.joint)
-    every_axis = space(problem.binding, relaxation.ties, joint).axes
+    every_axis = space(problem.binding, relaxation.ties, relaxation.joint).axes
     found: list[Functional] = []
     for family in problem.families:
         axes = [axis for axis in every_axis if family.lmi.monomials.split(set(axis.symbols))[0].atoms]

@@ -49,11 +49,16 @@ def refute(
     as_json: bool,
     **choices: Any,
 ) -> None:
-    """Prove that no solution of a theorem reports so good a value; ends with 1 where that is not proven."""
+    """Prove that no solution of a theorem reports so good a value; ends with 1 where that is not proven.
+
+    A bound on the relaxation alone, or for unknowns up to a size, is told, and refutes nothing.
+    """
     from lmic.certify.certificate_file import write_certificate
     from lmic.certify.certify import refutation
+    from lmic.certify.document import decimal, decimal_above, decimal_below, float_above, float_below
     from lmic.errors import LmicError
     from lmic.pipeline import run
+    from lmic.reporting import SHOWN
 
     side, text = ("--above", above) if below is None else ("--below", below)
     if text is None or (below is not None and above is not None):
@@ -70,13 +75,21 @@ def refute(
         raise LmicError(f"{name}: a {better[0]} {report} is better, so a value is refuted by {better[1]}; give that")
     if output:
         write_certificate(certificate, output)
-    refuted = bound < value if maximised else bound > value
+    assert certificate.lower is not None
+    radius = certificate.lower.radius
+    about_theorem = all(functional.at_point for functional in certificate.lower.functionals)
+    refuted = (bound < value if maximised else bound > value) and radius is None and about_theorem
     if as_json:
-        ends = ("above", "upper") if maximised else ("below", "lower")
-        echo_json({"report": report, ends[0]: float(value), ends[1]: float(bound), "refuted": refuted})
+        said, end = ("above", "upper") if maximised else ("below", "lower")
+        outward = float_above(bound) if maximised else float_below(bound)
+        record = {"report": report, said: float(value), end: outward, "refuted": refuted}
+        record |= {"bound_of": "theorem" if about_theorem else "relaxation"}
+        echo_json(record | {"bound_for_unknowns_up_to": None if radius is None else float_below(radius)})
     else:
-        verdict = "so it cannot be reached" if refuted else "which does not refute it"
-        far = "most" if maximised else "least"
-        click.echo(f"{report} = {text}: {report} is at {far} {float(bound):.12g} (proven), {verdict}")
+        far, shown = ("most", decimal_above) if maximised else ("least", decimal_below)
+        proven = "proven" if about_theorem else "proven of the relaxation"
+        proven += "" if radius is None else f" for unknowns up to {float_below(radius):g}"
+        verdict = "so it cannot be reached with these bases" if refuted else "which does not refute it"
+        click.echo(f"{report} = {text}: {report} is at {far} {decimal(shown(bound, SHOWN))} ({proven}), {verdict}")
     if not refuted:
         sys.exit(1)

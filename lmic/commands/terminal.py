@@ -9,12 +9,26 @@ from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 
 def console() -> Console:
-    """The terminal; wide enough for the tables where the output is a file."""
-    plain = Console(highlight=False)
-    return plain if plain.is_terminal else Console(highlight=False, width=140)
+    """The terminal; wide enough for the tables where the output is a file.
+
+    It takes texts as they are: rich would read the instance in ``r[a]`` as a style, and leave it out.
+    """
+    plain = Console(highlight=False, markup=False)
+    return plain if plain.is_terminal else Console(highlight=False, markup=False, width=140)
+
+
+def marked(word: str, rest: str, style: str = "bold") -> Text:
+    """A line whose first word stands out."""
+    return Text.assemble((word, style), rest)
+
+
+def warning(text: str) -> Text:
+    """A line that warns."""
+    return marked("warning", f"     {text}", "bold red")
 
 
 def table(*columns: str, title: str | None = None) -> Table:
@@ -28,7 +42,7 @@ def table(*columns: str, title: str | None = None) -> Table:
 def _bar(quiet: bool) -> Progress:
     errors = Console(stderr=True)
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),

@@ -101,6 +101,13 @@ def scalar_values(theorem: Theorem, plant: Plant, scalars: Mapping[str, Any]) ->
             f"give the theorem's, as {both[0]}=1",
             place,
         )
+    components = {c: name for name, domain in plant.domains.items() for c in domain.components}
+    for scalar in sorted(wanted & set(components)):  # its value would take the place of the whole interval
+        raise PlantError(
+            f"{scalar} is a scalar of the theorem and a component of {components[scalar]} in {plant.name}; "
+            "rename it in the plant",
+            place,
+        )
     unknown = sorted(set(scalars) - wanted - set(plant.scalars))
     if unknown:
         known = ", ".join(sorted(wanted | set(plant.scalars))) or "none"

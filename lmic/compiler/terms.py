@@ -76,7 +76,7 @@ def _split(coefficient: sp.Expr, factors: Factors, place: Place) -> Checked[list
     """The expanded product as terms: one for each scalar unknown in the coefficient, one without."""
     places = [k for k, factor in enumerate(factors) if factor.unknown]
     scalars = sorted((s for s in coefficient.free_symbols if isinstance(s, ScalarUnknown)), key=str)
-    if len(places) + (1 if scalars and not places else 0) > 1 or (places and scalars):
+    if len(places) > 1 or (places and scalars):
         names = [str(factors[k].matrix) for k in places] + [str(s) for s in scalars]
         yield NotAffineError(
             f"{_text(coefficient, factors)} multiplies the unknowns {' and '.join(names)}; "
@@ -136,6 +136,7 @@ def _inverted_unknown(factor: Factor, place: Place) -> Checked[None]:
     if not isinstance(factor.matrix, Inverse):
         return
     hidden = [leaf for leaf in factor.matrix.leaves() if leaf.role == "unknown"]
+    hidden += sorted((s for s in factor.matrix.scalars() if isinstance(s, ScalarUnknown)), key=str)
     if hidden:
         yield NotAffineError(
             f"{factor.matrix} inverts the unknown {hidden[0]}; use a Schur complement or a congruence to remove it",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from lmic.commands.terminal import console, table
+from lmic.commands.terminal import console, marked, table
 from lmic.diagnosis.diagnose import Diagnosis
 from lmic.diagnosis.neighbours import Trial
 from lmic.diagnosis.ranges import Range
@@ -78,20 +78,20 @@ def _trial_record(one: Trial) -> dict[str, Any]:
 def print_diagnosis(found: Diagnosis) -> None:
     """The tables, and the advice at the end."""
     out, result = console(), found.result
-    out.print(f"[bold]{result.theorem.name}[/bold]  {result.theorem.title}")
+    out.print(marked(result.theorem.name, f"  {result.theorem.title}"))
     print_families(result.problem)
     values = ", ".join(f"{name} = {value:.8g}" for name, value in result.reports.items())
-    out.print(f"status: {result.solution.status.value}{f', {values}' if values else ''}", markup=False)
+    out.print(f"status: {result.solution.status.value}{f', {values}' if values else ''}")
     if found.distance:
         bound = f"no margin is above {found.distance.bound:.2g}"
-        out.print(f"largest margin: {found.distance.margin:.3g} of scaled data ({bound})", markup=False)
+        out.print(f"largest margin: {found.distance.margin:.3g} of scaled data ({bound})")
     _print_binding(found.binding)
     _print_growth(found)
     _print_ranges(found)
     _print_unseen(found)
     _print_trials(found)
     for sentence in found.advice:
-        out.print(sentence, markup=False, style="bold")
+        out.print(sentence, style="bold")
 
 
 def _print_binding(shares: Shares) -> None:
@@ -104,7 +104,7 @@ def _print_binding(shares: Shares) -> None:
     console().print(shown)
     for what, parts in (("LMI", shares.by_lmi), ("point", shares.by_point)):
         if len(parts) > 1 and len(rows) > 1:
-            console().print(f"by {what}: {_largest(parts)}", markup=False)
+            console().print(f"by {what}: {_largest(parts)}")
 
 
 def _largest(parts: Mapping[str, float]) -> str:
@@ -137,12 +137,12 @@ def _print_ranges(found: Diagnosis) -> None:
 
 def _print_unseen(found: Diagnosis) -> None:
     count = len(found.unseen)
-    console().print(f"lineality: {count or 'no'} direction{'' if count == 1 else 's'} that no LMI sees", markup=False)
+    console().print(f"lineality: {count or 'no'} direction{'' if count == 1 else 's'} that no LMI sees")
     for one in found.unseen[:DIRECTIONS]:
-        console().print(f"  {one.text}", markup=False)
+        console().print(f"  {one.text}")
     if count > DIRECTIONS:
         names = dict.fromkeys(name for one in found.unseen for name in one.unknowns)
-        console().print(f"  and {count - DIRECTIONS} more, in {', '.join(names)}", markup=False)
+        console().print(f"  and {count - DIRECTIONS} more, in {', '.join(names)}")
 
 
 def _short(option: str) -> str:
@@ -163,4 +163,4 @@ def _print_trials(found: Diagnosis) -> None:
         shown.add_row(option, value, one.status, str(one.unknowns), str(one.lmis), f"{one.seconds:.2f}", one.soundness)
     console().print(shown)
     if found.untried:
-        console().print(f"not tried for lack of time: {', '.join(found.untried)}", markup=False)
+        console().print(f"not tried for lack of time: {', '.join(found.untried)}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from lmic.commands.terminal import console
+from lmic.commands.terminal import console, marked, warning
 from lmic.interchange.sdp import SDP
 from lmic.reporting import print_solution, solution_record
 from lmic.solve.solution import Solution
@@ -33,8 +33,7 @@ def file_record(name: str, sdp: SDP, solution: Solution, seconds: float) -> dict
 def print_file(name: str, sdp: SDP, solution: Solution, seconds: float) -> None:
     """A solved file for people."""
     out = console()
-    out.print(f"[bold]{name}[/bold]  ", end="")
-    out.print(sdp.notes.title, markup=False)
+    out.print(marked(name, f"  {sdp.notes.title}"))
     counts = Counter(sdp.orders.tolist())
     orders = ", ".join(f"{count} of order {order}" for order, count in sorted(counts.items()))
     out.print(f"{sdp.size} scalar unknowns, {len(sdp.orders)} LMIs ({orders}), soundness: {sdp.notes.soundness}")
@@ -42,8 +41,7 @@ def print_file(name: str, sdp: SDP, solution: Solution, seconds: float) -> None:
         return
     sign, what = (-1.0, "maximum") if sdp.maximised else (1.0, "minimum")
     what = what if sdp.cost.any() else "feasible"
-    out.print(
-        f"[bold]{what:<11} {sign * solution.value:.9g}[/bold]   numerical; dual bound {sign * solution.bound:.9g}"
-    )
-    for warning in solution.warnings:
-        out.print(f"[bold red]warning[/bold red]     {warning}")
+    known = f"   numerical; dual bound {sign * solution.bound:.9g}"
+    out.print(marked(f"{what:<11} {sign * solution.value:.9g}", known))
+    for text in solution.warnings:
+        out.print(warning(text))

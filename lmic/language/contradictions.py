@@ -64,8 +64,12 @@ def _ambiguous_names(theorem: Theorem) -> Iterator[DefinitionError]:
                     f"{leaf.role}; give the two matrices different names"
                 )
                 declared[leaf.name] = leaf.declaration
-    for name in sorted({symbol.name for symbol in theorem.scalar_unknowns} & set(theorem.unknowns)):
+    given = {symbol.name for symbol in theorem.givens}
+    scalars = {symbol.name for symbol in theorem.scalar_unknowns}
+    for name in sorted((scalars | given) & set(theorem.unknowns)):
         yield DefinitionError(f"{name} is both a scalar and a matrix unknown; give them different names")
+    for name in sorted(scalars & given):
+        yield DefinitionError(f"{name} is both a scalar unknown and a given scalar; give them different names")
     for name in theorem.unknowns:
         used = [f"{name}({', '.join(names)})" if names else name for names in sorted(theorem.arguments[name])]
         if len(used) > 1:

@@ -59,6 +59,7 @@ def _content(result: Result, certificate: Certificate | None) -> dict[str, Any]:
     usable = solution.status.usable
     path = walk(problem.binding.domains)
     line = path.through(imposed(problem, path))
+    design = equations(result)
     found, charted = _charted(result, margins(problem, solution.x, line) if usable else [])
     return {
         "title": result.theorem.title or result.theorem.name,
@@ -78,8 +79,8 @@ def _content(result: Result, certificate: Certificate | None) -> dict[str, Any]:
         "failing": [margin for margin in found if not margin.holds],
         "eigenvalues": plots.eigenvalues(line, found) if usable and len(path) > 1 else None,
         "map": charted,
-        "equations": equations(result)[:SHOWN],
-        "left_out": max(0, len(equations(result)) - SHOWN),
+        "equations": design[:SHOWN],
+        "left_out": max(0, len(design) - SHOWN),
         "behaviour": behaviour.figures(result, path) if usable else [],
         "remarks": behaviour.remarks(result, path) if usable else [],
         "unknowns": unknowns(result) if usable else [],
@@ -106,9 +107,7 @@ def reported(result: Result, certificate: Certificate | None = None) -> list[Rep
         Reported(
             mathml(" = ".join(dict.fromkeys([sp.latex(sp.Symbol(name)), sp.latex(result.theorem.reports[name])]))),
             f"{value:.8g}",
-            enclosure(certificate, result.theorem, name).replace("\\[", "[")
-            if certificate
-            else unproven(result.theorem, name),
+            enclosure(certificate, result.theorem, name) if certificate else unproven(result.theorem, name),
         )
         for name, value in result.reports.items()
     ]

@@ -69,10 +69,6 @@ def mathml(text: str) -> Markup:
     return Markup(writer.display(text))
 
 
-def _equation(name: str, value: str) -> Markup:
-    return mathml(f"{sp.latex(sp.Symbol(name))} = {value}")
-
-
 def _size(shape: tuple[sp.Expr, ...], parameters: tuple[str, ...]) -> str:
     depends = f", function of {', '.join(parameters)}" if parameters else ""
     return f"{shape[0]} × {shape[1]}{depends}"

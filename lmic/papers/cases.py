@@ -23,11 +23,10 @@ class Case:
     """One number of a paper.
 
     ``paper`` is the value as printed, None for a case that the paper does not have, and ``paper_gain`` the gain it
-    simulated; ``given`` are the
-    scalars; ``cover`` names sampling intervals whose grid is found by covering their domain;
-    ``refine`` says that the grid grows until the LMIs are proven on the whole domain; ``below`` is the
-    case whose optimum is a lower bound on this one's; ``stand_in`` says that the paper's data are lost;
-    ``reference`` is the known optimum, which only tests read.
+    simulated; ``given`` are the scalars; ``cover`` names sampling intervals whose grid is found by covering their
+    domain; ``refine`` says that the grid grows until the LMIs are proven on the whole domain; ``below`` is the case
+    whose optimum is a lower bound on this one's; ``stand_in`` says that the paper's data are lost; ``reference`` is
+    the known optimum, which only tests read.
     """
 
     id: str

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lmic.analysis.norms import TOLERANCE
-from lmic.commands.terminal import console, table
+from lmic.commands.terminal import console, table, warning
 from lmic.papers.cases import CaseTable
 from lmic.papers.enclosures import Enclosure
 from lmic.papers.reproduce import Frozen, Outcome, achieved
@@ -66,10 +66,10 @@ def print_reproduction(paper: Reproduction) -> None:
             shown.add_row(*row)
         out.print(shown)
         for outcome, _ in rows:
-            for warning in outcome.result.solution.warnings:
-                out.print(f"[bold red]warning[/bold red] {outcome.case.id}: {warning}", soft_wrap=True)
+            for text in outcome.result.solution.warnings:
+                out.print(warning(f"{outcome.case.id}: {text}"), soft_wrap=True)
     if paper.cases.notes:
-        out.print(paper.cases.notes, style="italic", markup=False)
+        out.print(paper.cases.notes, style="italic")
     for path in paper.figures:
         out.print(f"figure: {path}", soft_wrap=True)
 

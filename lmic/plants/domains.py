@@ -238,6 +238,9 @@ def _polytope(halfspaces: Array) -> Array:
     """Vertices of {p : halfspaces · (p, 1) ≤ 0}; degenerate sets (a bound of zero) are refused."""
     from scipy.optimize import linprog
 
+    # small sets are enlarged by a power of two: tolerances here and in what is called are meant for a size of one
+    size = min(1.0, 2.0 ** np.ceil(np.log2(np.abs(halfspaces[:, -1]).max() or 1.0)))
+    halfspaces = np.column_stack([halfspaces[:, :-1], halfspaces[:, -1] / size])
     norms = np.linalg.norm(halfspaces[:, :-1], axis=1)
     centre = linprog(
         c=[*np.zeros(halfspaces.shape[1] - 1), -1.0],
@@ -250,9 +253,9 @@ def _polytope(halfspaces: Array) -> Array:
     if halfspaces.shape[1] == 2:
         offsets = -halfspaces[:, 1] / halfspaces[:, 0]
         upper, lower = halfspaces[:, 0] > 0, halfspaces[:, 0] < 0
-        return np.array([[offsets[lower].max()], [offsets[upper].min()]])
+        return size * np.array([[offsets[lower].max()], [offsets[upper].min()]])
     corners = HalfspaceIntersection(halfspaces, centre.x[:-1]).intersections
-    return np.unique(np.round(corners, 12), axis=0) + 0.0
+    return size * np.unique(np.round(corners, 12), axis=0) + 0.0
 
 
 def _interval(bounds: Bounds, component: str, what: str) -> tuple[float, float]:

@@ -37,10 +37,9 @@ class Relaxation:
     """How parameters are made finite. Every mapping is keyed by a parameter (``r``), an instance
     (``r[c]``, ``alpha+``) or a component's symbol (``rho1``); the most special key wins.
 
-    ``method``: "auto" (affine → vertices, polynomial on a simplex or a joint polytope → Pólya,
-    otherwise grid),
-    "vertices", "polya" or "grid". ``polya``: degrees, 0 where nothing is said. ``grid``: the
-    points where a grid is used. ``ties``: instances that are equal, {"b": "a"}.
+    ``method``: "auto" (affine → vertices, polynomial on a simplex or a joint polytope → Pólya, otherwise grid),
+    "vertices", "polya" or "grid". ``polya``: degrees, 0 where nothing is said. ``grid``: the points where a grid is
+    used. ``ties``: instances that are equal, {"b": "a"}.
     """
 
     method: Mapping[str, str] = field(default_factory=dict)
@@ -48,12 +47,16 @@ class Relaxation:
     grid: Mapping[str, Grid | int] = field(default_factory=dict)
     ties: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def joint(self) -> frozenset[str]:
+        """The parameters and instances whose grid has points of all components together."""
+        return frozenset(name for name, points in self.grid.items() if Grid.of(points).joint)
+
 
 def relax(binding: Binding, choice: Relaxation | None = None) -> list[LMIFamily]:
     """Finitely many LMIs for each parametric one."""
     choice = choice or Relaxation()
-    joint = frozenset(name for name, g in choice.grid.items() if isinstance(g, Grid) and g.joint)
-    geometry = space(binding, choice.ties, joint)
+    geometry = space(binding, choice.ties, choice.joint)
     _check_keys(choice, geometry)
     return [relax_lmi(lmi.renamed(geometry.equal), geometry, choice) for lmi in binding.lmis.values()]
 

@@ -85,9 +85,11 @@ def complete(problem: ConicProblem, active: Array, found: Solution) -> Solution:
     least = relative_eigenvalues(problem, found.x)
     worst = int(np.argmin(least))
     inactive_worst = worst not in active
+    others = np.setdiff1d(np.flatnonzero(least < 0), active)
     return replace(
         found,
         on_face=None,  # it knows nothing of the others
+        violation=min(found.violation, _least_eigenvalue(problem.restricted(others), found.x)),
         relative_violation=min(found.relative_violation, float(least[worst]) if inactive_worst else 0.0),
         worst=problem.label(worst) if inactive_worst else found.worst,
         dual=_spread_dual(problem, active, found.dual),
@@ -115,6 +117,12 @@ def relative_eigenvalues(problem: ConicProblem, x: Array) -> Array:
             root = 1 / np.sqrt(np.maximum(diagonal, np.maximum(floor, np.finfo(float).tiny)))
             found.append(np.linalg.eigvalsh(root[:, :, None] * matrices * root[:, None, :])[:, 0])
     return np.concatenate(found)
+
+
+def _least_eigenvalue(problem: ConicProblem, x: Array) -> float:
+    """Over all LMIs at x; zero without any."""
+    found = [np.linalg.eigvalsh(family.matrices(x))[:, 0].min() for family in problem.families]
+    return float(min(found, default=0.0))
 
 
 def _ranges(problem: ConicProblem) -> list[tuple[int, int]]:

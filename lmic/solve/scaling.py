@@ -46,8 +46,10 @@ def initial(data: ConeData) -> tuple[ConeData, Scaling]:
     """Columns of unit norm; nothing is known about the slacks yet."""
     norms = np.sqrt(np.asarray(data.matrix.multiply(data.matrix).sum(axis=0)).ravel())
     scale = 1 / np.where(norms > 0, norms, 1.0)
-    scaled = ConeData(data.cost * scale, data.matrix @ sps.diags_array(scale), data.offset, data.orders)
-    return sps_csc(scaled), Scaling([np.eye(int(order)) for order in data.orders], scale)
+    matrix = sps.csc_array(data.matrix @ sps.diags_array(scale))
+    return ConeData(data.cost * scale, matrix, data.offset, data.orders), Scaling(
+        [np.eye(int(order)) for order in data.orders], scale
+    )
 
 
 def affordable(data: ConeData) -> bool:
@@ -106,11 +108,6 @@ def _congruent(data: ConeData, congruence: list[Array]) -> Array:
         columns[rows] = (matrices[:, i, j] * weight).T
         start += svec.length(n)
     return columns
-
-
-def sps_csc(data: ConeData) -> ConeData:
-    """The same with a column-compressed matrix, as solvers want it."""
-    return ConeData(data.cost, sps.csc_array(data.matrix), data.offset, data.orders)
 
 
 def unscaled_slack(scaled: Array, scaling: Scaling, orders: Array) -> Array:

@@ -147,13 +147,13 @@ def _print(swept: Swept, output: Path, report: str | None, least_over: str | Non
             shown.add_row(*("" if cell is None else cell if isinstance(cell, str) else f"{cell:.8g}" for cell in row))
         out.print(shown)
     counts = ", ".join(f"{count} {status}" for status, count in swept.statuses.items())
-    out.print(f"{len(swept.plan)} points ({counts}), {swept.solves} problems solved", markup=False)
+    out.print(f"{len(swept.plan)} points ({counts}), {swept.solves} problems solved")
     if swept.doubtful:
-        out.print(f"[bold red]warning[/bold red] {swept.doubtful} numbers are not to be trusted: column trusted")
+        out.print(terminal.warning(f"{swept.doubtful} numbers are not to be trusted: column trusted"))
     for reason, number in swept.failed.items():
-        out.print(f"{number} failed: {reason}", markup=False, style="red", soft_wrap=True)
+        out.print(f"{number} failed: {reason}", style="red", soft_wrap=True)
     for path in (output, *written):
-        out.print(f"written: {path}", markup=False, soft_wrap=True)
+        out.print(f"written: {path}", soft_wrap=True)
 
 
 def _rows(swept: Swept) -> dict[str, list[Any]]:

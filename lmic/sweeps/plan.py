@@ -68,10 +68,16 @@ class Plan:
             raise SweepError(
                 f"{len(self)} points are more than a sweep may have ({MAX_POINTS}); coarsen an axis", place
             )
+        fixed: Mapping[Kind, Mapping[str, Any]] = {
+            Kind.SCALAR: self.given,
+            Kind.DEPENDENCE: self.dependence,
+            Kind.GRID: self.relaxation.grid,
+        }
         for axis in self.axes:
-            fixed = {Kind.SCALAR: self.given, Kind.DEPENDENCE: self.dependence}.get(axis.kind, {})
-            if axis.name and axis.name in fixed:
+            if axis.name in fixed.get(axis.kind, {}):
                 raise SweepError(f"{axis.name} is both fixed and swept over; remove one", place)
+            if axis.kind is Kind.POLYA:
+                self._check_degrees(axis)
             if axis.kind is Kind.DEPENDENCE and axis.name not in self.theorem.unknowns:
                 known = ", ".join(self.theorem.unknowns)
                 raise SweepError(
@@ -84,6 +90,15 @@ class Plan:
         first |= {self.search[0]: self.search[1]} if self.search else {}
         for plant in self.plants:
             scalar_values(self.theorem, plant, first)
+
+    def _check_degrees(self, axis: Axis) -> None:
+        """A degree that is swept over leaves those of other parameters, if they are given by name, and no others."""
+        degrees = self.relaxation.polya
+        if degrees if isinstance(degrees, int) or not axis.name else axis.name in degrees:
+            raise SweepError(
+                f"Pólya degrees are fixed while {axis.column} is swept over; fix those of other parameters by name",
+                Place(self.theorem.name),
+            )
 
     def __len__(self) -> int:
         return prod(self.shape)

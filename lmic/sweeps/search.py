@@ -63,8 +63,9 @@ def bisect(
 ) -> Found:
     """Best value of the theorem's ``bisect`` scalar in [low, high], to ``tolerance`` (relative).
 
-    The LMIs must be feasible at one end and infeasible at the other, as the theorem's goal says;
-    raises LmicError where they are not.
+    A best value of zero is found to the square of that, of the interval. The LMIs must be feasible at the end that the
+    theorem's goal calls the worse one; where they are at the other too, that is the best. Raises LmicError where they
+    are not.
     """
     goal = binding.theorem.bisect
     if goal is None:
@@ -87,8 +88,9 @@ def bisect(
         ends = f"{min(good, bad):.12g}:{max(good, bad):.12g}"
         return f"after {solves} solves {name} = {good:.8g} is the best; go on with --search {name}={ends}"
 
+    least = tolerance * abs(high - low)  # halving alone never comes near zero relative to itself
     with keeping(kept):
-        while abs(good - bad) > tolerance * max(abs(good), abs(bad)):
+        while abs(good - bad) > tolerance * max(abs(good), abs(bad), least):
             middle = (good + bad) / 2
             result = solved(middle)
             solves += 1

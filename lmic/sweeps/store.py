@@ -46,11 +46,18 @@ class Store:
             self.records = self._read(content[:whole])
             self._stream.truncate(whole)
             self._stream.seek(whole)
-        except OSError as error:
-            raise SweepError(f"{self.path} cannot be written: {error.strerror}; choose another file") from error
+        except BaseException as error:
+            # the file's lock must not outlive a file that is refused: a notebook keeps the last error, and this with it
+            self._close()
+            if isinstance(error, OSError):
+                raise SweepError(f"{self.path} cannot be written: {error.strerror}; choose another file") from error
+            raise
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._close()
+
+    def _close(self) -> None:
         if self._stream:
             self._stream.close()
 

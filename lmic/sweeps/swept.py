@@ -96,19 +96,23 @@ class Swept:
         )
 
     def least(self, name: str, over: str) -> tuple[Array, Array]:
-        """The least of a column along one axis, and where on it: two arrays over the other axes; NaN where none is.
+        """The least of a column along one axis, and where on it: two arrays over the other axes.
 
-        Values are compared at the upper end of their doubt, so that a doubtful one does not win by being wrong.
+        Where no value is known both are NaN, and the place on an axis of labels is None. Values are compared at the
+        upper end of their doubt, so that a doubtful one does not win by being wrong.
         """
         values = self.values(name)
         place = self.axis(over)
-        position = np.asarray(self.plan.axes[place].shown, dtype=float)
+        axis = self.plan.axes[place]
+        nowhere, kind = (np.nan, float) if axis.numeric else (None, object)
+        position = np.array([*axis.shown, nowhere], dtype=kind)
         upper = values + self.values("uncertainty") * np.abs(values)
         upper = np.where(np.isnan(upper), np.inf, upper)
         chosen = np.expand_dims(upper.argmin(axis=place), place)
         missing = np.isinf(upper.min(axis=place))
         least = np.take_along_axis(values, chosen, place).squeeze(place)
-        return np.where(missing, np.nan, least), np.where(missing, np.nan, position[chosen.squeeze(place)])
+        where = position[np.where(missing, len(axis.shown), chosen.squeeze(place))]
+        return np.where(missing, np.nan, least), np.array(where, dtype=kind)
 
     def axis(self, column: str) -> int:
         """Which axis has a column."""

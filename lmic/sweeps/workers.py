@@ -41,7 +41,9 @@ def cores(jobs: int) -> Iterator[Workers]:
     def solve(lines: Iterable[Line]) -> Iterator[Done]:
         work = (delayed(_served)(line, os.getpid()) for line in lines)
         try:
-            yield from Parallel(return_as="generator_unordered", batch_size=1)(work)
+            with _deaf():  # the processes are started by the call
+                found = Parallel(return_as="generator_unordered", batch_size=1)(work)
+            yield from found
         except BrokenProcessPool as error:
             raise SweepError(
                 "a worker process ended by itself (out of memory?); resume with the same command, or with fewer --jobs"
@@ -51,6 +53,23 @@ def cores(jobs: int) -> Iterator[Workers]:
         # Ctrl-C cancels what is under way, on purpose
         warnings.filterwarnings("ignore", message=".*tasks which were still being processed", category=UserWarning)
         yield solve
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Ctrl-C is ignored for the moment in which processes are started, and by these for good.
+
+    They inherit that it is ignored and nothing else: a mask is taken away by what multiprocessing starts beside them.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or before is None:
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _served(line: Line, master: int) -> Done:
