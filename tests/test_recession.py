@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lmic.algebra import svec
 from lmic.algebra.integer_bases import integer_complement
 from lmic.interchange.sdp import sdp_of_entries
+from lmic.solve import scaling
 from lmic.solve.clarabel import Clarabel
 from lmic.solve.cone import ConeData
 from lmic.solve.on_face import solve_on_face
@@ -118,6 +119,23 @@ def test_nested_faces_are_found_one_after_the_other() -> None:
     assert answer[0].step.violation == 0
     assert answer[0].on_face is not None
     assert len(answer[0].on_face.reduction.faces) == 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_balanced_coordinates_are_those_of_one_diagonal_for_slack_and_dual(seed: int) -> None:
+    data, *_ = planted(seed)
+    generator = np.random.default_rng(seed)
+    factors = generator.standard_normal((2, 5, 5)) * 10.0 ** generator.integers(-3, 3, size=(2, 5, 1))
+    slack, dual = (packed(factor @ factor.T) for factor in factors)
+    scaled, transform = scaling.balanced(data, slack, dual)
+    (own,) = slack_matrices(scaling.scaled_slack(slack, transform, data.orders), data.orders)
+    (other,) = slack_matrices(scaling.scaled_dual(dual, transform, data.orders), data.orders)
+    assert np.diag(own) == pytest.approx(np.diag(other), rel=1e-9)
+    y = generator.standard_normal(len(data.cost))
+    there = scaling.scaled_slack(data.matrix @ transform.x(y) + data.offset, transform, data.orders)
+    assert scaled.matrix @ y + scaled.offset == pytest.approx(there, rel=1e-9)
+    assert scaled.cost @ y == pytest.approx(data.cost @ transform.x(y))
+    assert scaled.matrix.nnz == data.matrix.nnz
 
 
 def test_a_number_that_is_known_well_is_not_said_to_be_attained() -> None:

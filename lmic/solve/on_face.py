@@ -11,14 +11,19 @@ from numpy.typing import NDArray
 from lmic.solve import scaling
 from lmic.solve.cone import ConeData, ConeSolver, Status
 from lmic.solve.face_optimum import SHARES, FaceOptimum
-from lmic.solve.passes import TRUSTED_GAP, Candidate, candidate_of, passes_of, svec_diagonal, worst_of
+from lmic.solve.passes import (
+    TRUSTED_GAP,
+    TRUSTED_VIOLATION,
+    Candidate,
+    candidate_of,
+    passes_of,
+    svec_diagonal,
+    worst_of,
+)
 from lmic.solve.recession import reduction
 from lmic.solve.solution import ABSOLUTE, Pass
 
 Array: TypeAlias = NDArray[Any]
-
-#: a point inside all cones is near enough to the optimum at this merit
-NEAR = 1e-6
 
 
 def solve_on_face(data: ConeData, solver: ConeSolver, passes: int) -> tuple[Candidate, tuple[Pass, ...]] | None:
@@ -36,7 +41,7 @@ def solve_on_face(data: ConeData, solver: ConeSolver, passes: int) -> tuple[Cand
             found.append(_lifted(data, optimum, core, x))
             if found[-1].step.violation == 0.0:
                 break
-        if found and _best(found).merit <= NEAR:
+        if found and _best(found).merit <= TRUSTED_GAP:
             break
     return (_best(found), steps) if found else None
 
@@ -48,12 +53,20 @@ def _best(found: list[Candidate]) -> Candidate:
 def _solved(core: ConeData, solver: ConeSolver, passes: int) -> tuple[Candidate, tuple[Pass, ...]]:
     """In sparse coordinates, which do for a problem with an interior on both sides; else with all passes."""
     scaled, transform = scaling.initial(core)
-    first = candidate_of(core, scaled, transform, solver(scaled))
+    found = [candidate_of(core, scaled, transform, solver(scaled))]
+    while not _known(found[-1].step) and found[-1].answer.status.usable and len(found) < passes:
+        scaled, transform = scaling.balanced(core, found[-1].slack, found[-1].dual)
+        found.append(candidate_of(core, scaled, transform, solver(scaled)))
+    first, steps = min(found, key=lambda one: max(one.step.gap, one.step.violation)), tuple(one.step for one in found)
     # no more is asked of this point than its gap: LMIs that vanish here are given a margin of their own
     if first.step.gap <= TRUSTED_GAP or not scaling.affordable(core):
-        return first, (first.step,)
-    best, steps = passes_of(core, solver, passes)
-    return min(first, best, key=lambda one: one.step.gap), (first.step, *steps)
+        return first, steps
+    best, more = passes_of(core, solver, passes)
+    return min(first, best, key=lambda one: one.step.gap), steps + more
+
+
+def _known(step: Pass) -> bool:
+    return step.gap <= TRUSTED_GAP and step.violation <= TRUSTED_VIOLATION
 
 
 def _lifted(data: ConeData, optimum: FaceOptimum, core: Candidate, x: Array) -> Candidate:

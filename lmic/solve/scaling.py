@@ -3,7 +3,8 @@
 A thin interior makes one scaling of the whole problem useless; conic solvers may scale a PSD cone
 by one number only. Here every LMI gets its own congruence from the slack S of an earlier pass,
 D ≈ S^(-1/2), which brings the solution to the middle of every cone, and the unknowns get
-orthonormal columns. That makes every column dense, which a large problem cannot afford.
+orthonormal columns. That makes every column dense, which a large problem cannot afford: it gets
+a diagonal D, in which slack and dual have the same diagonal.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ Array: TypeAlias = NDArray[Any]
 #: optimum S is singular, and its inverse root must stay bounded
 REGULARISATION = (1e-4, 1e-2, 1.0)
 CONDITION = 1e-10
+
+#: share of the largest diagonal entry below which one is rounding
+VANISHED = 1e-14
 
 #: multiplications per iteration of the solver up to which dense columns are affordable: a second or two
 AFFORDABLE = 2e9
@@ -50,6 +54,29 @@ def initial(data: ConeData) -> tuple[ConeData, Scaling]:
     return ConeData(data.cost * scale, matrix, data.offset, data.orders), Scaling(
         [np.eye(int(order)) for order in data.orders], scale
     )
+
+
+def balanced(data: ConeData, slack: Array, dual: Array) -> tuple[ConeData, Scaling]:
+    """Diagonal congruences after which slack and dual have equal diagonals (that of Nesterov and Todd's scaling).
+
+    Columns have unit norm, and stay as sparse as they are.
+    """
+    congruence, entries = [], []
+    for own, other in zip(slack_matrices(slack, data.orders), slack_matrices(dual, data.orders), strict=True):
+        root = (_positive(np.diag(other)) / _positive(np.diag(own))) ** 0.25
+        rows, cols = svec.triangle(len(root))
+        congruence.append(np.diag(root))
+        entries.append(root[rows] * root[cols])
+    entry = np.concatenate(entries)
+    scaled, columns = initial(
+        ConeData(data.cost, sps.csc_array(sps.diags_array(entry) @ data.matrix), entry * data.offset, data.orders)
+    )
+    return scaled, Scaling(congruence, columns.unknowns)
+
+
+def _positive(diagonal: Array) -> Array:
+    """A diagonal without what is zero but for rounding."""
+    return np.maximum(diagonal, max(VANISHED * np.abs(diagonal).max(initial=0.0), np.finfo(float).tiny))
 
 
 def affordable(data: ConeData) -> bool:
