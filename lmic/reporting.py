@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -111,8 +111,16 @@ def print_families(problem: ConicProblem) -> None:
         )
     out.print(relaxed)
     out.print(f"{problem.size} scalar unknowns, {len(problem.orders)} LMIs, soundness: {problem.soundness.value}")
-    for line in _independent(problem):
+    for line in (*_independent(problem), *tied(problem.relaxation.ties)):
         out.print(line)
+
+
+def tied(ties: Mapping[str, str]) -> list[str]:
+    """Which instances were made equal, so that nothing is said of others; no line where none were."""
+    if not ties:
+        return []
+    pairs = ", ".join(f"[{one or 'now'}] = [{other or 'now'}]" for one, other in ties.items())
+    return [f"tied: {pairs}; of parameters that differ there nothing is said"]
 
 
 def _independent(problem: ConicProblem) -> list[str]:
@@ -153,6 +161,7 @@ def result_record(result: Result, certificate: Certificate | None = None) -> dic
         "reports": dict(result.reports),
         **solution_record(solution),
         "soundness": result.problem.soundness.value,
+        "ties": dict(result.problem.relaxation.ties),
         "lmis": [family_record(family) for family in result.problem.families],
         "unknowns": _unknowns(result),
         "design": _vertex_design(result),
@@ -324,6 +333,7 @@ def verdict_record(certificate: Certificate, verdict: Verdict) -> dict[str, Any]
         "holds": verdict.holds,
         "reason": verdict.reason,
         "cells": verdict.cells,
+        "ties": dict(certificate.ties),
         "bound_of": "theorem" if verdict.about_theorem else "relaxation",
     } | (certificate_record(certificate, verdict.theorem) if verdict.theorem else {"soundness": verdict.standing.value})
 
@@ -333,6 +343,8 @@ def print_verdict(certificate: Certificate, verdict: Verdict) -> None:
     out = console()
     scalars = ", ".join(f"{name} = {value}" for name, value in certificate.scalars.items())
     out.print(marked(certificate.theorem, f" for {certificate.plant.name}{f', {scalars}' if scalars else ''}"))
+    for line in tied(certificate.ties):
+        out.print(line)
     if certificate.library_plant:
         out.print(f"data        those of the library's {certificate.library_plant}")
     theorem = verdict.theorem

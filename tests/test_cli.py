@@ -493,6 +493,17 @@ def test_copies_are_named_with_their_instances(ties: tuple[str, ...], said: str)
     shown = lmic("show", "wu2007.theorem3", "--plant", "wu2007.example", "--grid", "r=2", *ties)
     found = [line for line in shown.output.splitlines() if "independent of" in line]
     assert found == ([f"{said}: independent of one another"] if said else [])
+    assert ("tied: [b] = [a]" in shown.output) == bool(ties)
+
+
+def test_a_proof_for_tied_instances_says_so(folder: Path) -> None:
+    """With α⁺ = α the claim is that of frozen parameters, however the LMIs are proven."""
+    lmic("solve", "./my_theorem.py", "--plant", "plant.toml", "--tie", "+=", "--certify", "proof.json")
+    proven = lmic("verify", "proof.json", "--theorem", "my_theorem.py")
+    assert proven.exit_code == 0, proven.output
+    assert "tied: [+] = [now]; of parameters that differ there nothing is said" in proven.output
+    record = json.loads(lmic("verify", "proof.json", "--theorem", "my_theorem.py", "--json").output)
+    assert record["ties"] == {"+": ""}
 
 
 def test_what_is_printed_keeps_its_brackets(capsys: pytest.CaptureFixture[str]) -> None:
