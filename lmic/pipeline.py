@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from lmic.assumptions import check_assumptions
@@ -30,7 +29,7 @@ from lmic.compiler.bind import Binding, bind
 from lmic.compiler.lower import lower
 from lmic.compiler.terms import TermList, term_lists
 from lmic.errors import Place, RecoveryError
-from lmic.language.theorem import Theorem, radicand
+from lmic.language.theorem import Theorem
 from lmic.memory import Kept
 from lmic.plants.plant import Plant
 from lmic.recover.recover import Design, recover
@@ -150,17 +149,6 @@ def reports(design: Design) -> dict[str, float]:
     """The reported scalars at the solution; raises RecoveryError where one is not a real number."""
     expressions = design.binding.theorem.reports
     return {name: _report(design, name, expression, design.scalars) for name, expression in expressions.items()}
-
-
-def lower_reports(result: Result) -> dict[str, float]:
-    """The reports that are a multiple of what is minimised, or the root of one, at the dual bound."""
-    found = {}
-    for name, expression in result.theorem.reports.items():
-        factor = result.theorem.factor(name)
-        if factor is not None:
-            value = float(factor) * result.solution.bound
-            found[name] = float(np.sqrt(max(value, 0.0))) if radicand(expression)[1] else value
-    return found
 
 
 def _report(design: Design, name: str, expression: sp.Expr, scalars: Mapping[str, float]) -> float:

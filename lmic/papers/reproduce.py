@@ -21,7 +21,7 @@ from lmic.library import theorem
 from lmic.papers.cases import Case, CaseTable, Curve, Simulation
 from lmic.papers.enclosures import Enclosure, proven, stored
 from lmic.papers.signals import signal, trajectory_of
-from lmic.pipeline import Result, compile, lower_reports, prepare, run
+from lmic.pipeline import Result, compile, prepare, run
 from lmic.plants.domains import vertex_points
 from lmic.plants.files import read_plant
 from lmic.relax.grid import Grid
@@ -114,9 +114,7 @@ def reproduce(table: CaseTable, fresh: bool = False) -> Iterator[Outcome]:
         else:
             enclosure = stored(case)
         value = result.reports.get(case.report, float("nan"))
-        if result.solution.trusted:
-            bounds[case.id] = lower_reports(result).get(case.report, float("-inf"))
-        if enclosure and enclosure.lower is not None and enclosure.radius is None:
+        if enclosure and enclosure.lower is not None and enclosure.about_theorem and enclosure.radius is None:
             bounds[case.id] = float(enclosure.lower)
         found = verdict(case, value, _doubt(case, result.solution, value), bounds)
         frozen = _frozen(relaxation, case, result)
@@ -149,8 +147,8 @@ def verdict(case: Case, value: float, doubt: float, bounds: Mapping[str, float])
     """Reproduced means: equal to the paper's value in the digits that it prints.
 
     A verdict holds for every value within ``doubt`` of ``value``, or there is none. A paper that found
-    no solution prints infinity. Only a lower bound on the optimum refutes: ``bounds`` holds those that
-    are known, by case.
+    no solution prints infinity. Only a proven lower bound on the optimum refutes: ``bounds`` holds
+    those that are known, by case.
     """
     if not np.isfinite(doubt):
         return Verdict.UNTRUSTED
