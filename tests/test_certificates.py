@@ -117,6 +117,16 @@ def test_the_conditions_of_s3_are_enclosed(name: str) -> None:
     assert lower - half_unit <= Fraction(CHEN[name]) <= upper + half_unit
 
 
+def test_the_mixed_filters_that_the_paper_did_not_find_are_enclosed() -> None:
+    """No reference is known. ρ γ + (1 − ρ) μ is no less than of both optima apart, and its optimum concave in ρ."""
+    gamma, mu = (ends_of_s3(f"chen2006.lft.{norm}")[0] for norm in ("hinf", "h2"))
+    ends = {rho: ends_of_s3(f"chen2006.lft.mixed{rho}") for rho in (1, 5, 9)}
+    for tenths, (_, upper) in ends.items():
+        rho = Fraction(tenths, 10)
+        assert upper >= rho * gamma + (1 - rho) * mu
+    assert ends[5][1] >= (ends[1][0] + ends[9][0]) / 2
+
+
 def test_the_grids_of_s4_are_enclosed() -> None:
     """References in 200 bits: 0.10173990; the infimum 0.0951207 of Example 2 is not attained."""
     first = read_certificate(FOLDER / "mustafa.example1.published.json")

@@ -87,6 +87,13 @@ def test_what_are_no_points_of_the_domain(grid: str, message: str) -> None:
     assert answer.stderr.count("\n") == 1
 
 
+def test_a_simplex_has_no_chebyshev_points() -> None:
+    plant = read_plant(ROOT / "peixoto2025" / "example1.toml")
+    choice = Relaxation(method={"alpha": "grid"}, grid={"alpha": Grid(9, "chebyshev")})
+    with pytest.raises(RelaxationError, match="a simplex, which has no Chebyshev points; use uniform ones"):
+        compile(library.theorem("peixoto2025.theorem1"), plant, {"eps": 150}, relaxation=choice)
+
+
 def test_points_off_the_domain_by_rounding_are_moved_to_it() -> None:
     plant = read_plant(ROOT / "peixoto2025" / "example1.toml")
     corners = plant.domains["alpha"].vertices

@@ -26,7 +26,7 @@ class Grid:
     """How to choose points.
 
     ``kind``: "uniform" (``count`` per component, ends included), "chebyshev" (``count`` per
-    component), "random" (``count`` in all, with ``seed``) or "points" (``points`` given as rows).
+    component of a box), "random" (``count`` in all, with ``seed``) or "points" (``points`` given as rows).
     """
 
     count: int = 0
@@ -128,6 +128,8 @@ def grid_points(axis: Axis, choice: Grid) -> Array:
     if choice.kind == "random":
         return domain.sample(choice.count, np.random.default_rng(choice.seed))
     if domain.kind == "simplex":
+        if choice.kind == "chebyshev":
+            raise RelaxationError(f"{axis.name} ranges over a simplex, which has no Chebyshev points; use uniform ones")
         parts = max(choice.count - 1, 1)
         return homogeneous_exponents(len(domain.components), parts) / parts
     low, high = domain.vertices.min(axis=0), domain.vertices.max(axis=0)
