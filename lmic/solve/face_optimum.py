@@ -29,13 +29,15 @@ MOST = 1e-2
 class FaceOptimum:
     """The core's ``x`` and ``dual`` (svec) at its optimum, whose objective is about ``size``.
 
-    They miss the cones and their equalities by rounding.
+    They miss the cones and their equalities by rounding. ``rough`` are x and dual as the first pass gave them: with
+    fewer digits, and farther from the boundary, so that dual matrices inside are found from there.
     """
 
     reduction: Reduction
     x: Array
     dual: Array
     size: float
+    rough: tuple[Array, Array]
 
     def points(self, share: float, solver: ConeSolver) -> Iterator[Array]:
         """Points strictly inside all cones of the whole problem, the nearest to the optimum first.
@@ -51,9 +53,9 @@ class FaceOptimum:
 
     def dual_matrices(self, share: float, solver: ConeSolver) -> list[Array]:
         """Positive definite W on the face whose bound is about ``share`` of the objective below the optimum."""
-        core = self.reduction.core
-        slack = core.matrix @ self.x + core.offset
-        return self.reduction.matrices(inside_dual(core, slack, self.dual, share * self.size, solver))
+        core, (x, dual) = self.reduction.core, self.rough
+        slack = core.matrix @ x + core.offset
+        return self.reduction.matrices(inside_dual(core, slack, dual, share * self.size, solver))
 
 
 def inside(core: ConeData, x: Array, dual: Array, price: float, solver: ConeSolver) -> Array:

@@ -31,10 +31,10 @@ def solve_on_face(data: ConeData, solver: ConeSolver, passes: int) -> tuple[Cand
     faces = reduction(data, solver)
     if faces is None:
         return None
-    core, steps = _solved(faces.core, solver, passes)
+    core, rough, steps = _solved(faces.core, solver, passes)
     if not core.answer.status.usable:
         return None
-    optimum = FaceOptimum(faces, core.x, core.dual, max(abs(core.step.value), ABSOLUTE))
+    optimum = FaceOptimum(faces, core.x, core.dual, max(abs(core.step.value), ABSOLUTE), (rough.x, rough.dual))
     found: list[Candidate] = []
     for share in SHARES:
         for x in optimum.points(share, solver):
@@ -50,19 +50,22 @@ def _best(found: list[Candidate]) -> Candidate:
     return min(found, key=lambda one: one.merit)
 
 
-def _solved(core: ConeData, solver: ConeSolver, passes: int) -> tuple[Candidate, tuple[Pass, ...]]:
-    """In sparse coordinates, which do for a problem with an interior on both sides; else with all passes."""
+def _solved(core: ConeData, solver: ConeSolver, passes: int) -> tuple[Candidate, Candidate, tuple[Pass, ...]]:
+    """The best answer and the first. Sparse coordinates do for an interior on both sides; else all passes are tried."""
     scaled, transform = scaling.initial(core)
     found = [candidate_of(core, scaled, transform, solver(scaled))]
     while not _known(found[-1].step) and found[-1].answer.status.usable and len(found) < passes:
         scaled, transform = scaling.balanced(core, found[-1].slack, found[-1].dual)
         found.append(candidate_of(core, scaled, transform, solver(scaled)))
-    first, steps = min(found, key=lambda one: max(one.step.gap, one.step.violation)), tuple(one.step for one in found)
+    best, steps = min(found, key=lambda one: max(one.step.gap, one.step.violation)), tuple(one.step for one in found)
+    rough = found[0] if found[0].answer.status.usable else best
     # no more is asked of this point than its gap: LMIs that vanish here are given a margin of their own
-    if first.step.gap <= TRUSTED_GAP or not scaling.affordable(core):
-        return first, steps
-    best, more = passes_of(core, solver, passes)
-    return min(first, best, key=lambda one: one.step.gap), steps + more
+    if best.step.gap <= TRUSTED_GAP or not scaling.affordable(core):
+        return best, rough, steps
+    other, more = passes_of(core, solver, passes)
+    if other.step.gap < best.step.gap:
+        best = rough = other
+    return best, rough, steps + more
 
 
 def _known(step: Pass) -> bool:
