@@ -42,11 +42,22 @@ def until(met: Callable[[], bool], process: subprocess.Popen[Any] | None = None)
         time.sleep(0.02)
 
 
+def hearing_interrupts() -> None:
+    """A shell starts what runs in its background with Ctrl-C ignored, and children inherit that."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def started(file: Path) -> subprocess.Popen[str]:
     """A sweep as a user starts it, in a process group of its own as a terminal makes one."""
     words = [str(LMIC), "sweep", FILTER, "--plant", str(EXAMPLE_2), *WORDS, "-o", str(file)]
     return subprocess.Popen(
-        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, encoding="utf-8"
+        words,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=hearing_interrupts,  # noqa: PLW1509  (nothing but a signal, before any thread)
+        encoding="utf-8",
     )
 
 
