@@ -9,12 +9,18 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from lmic import library
+from lmic.algebra.polynomials import MatrixPolynomial
+from lmic.certify.certificate import Certificate
+from lmic.certify.certify import certify
 from lmic.compiler.bind import Binding
 from lmic.language.lmi import LMI
 from lmic.language.nodes import Leaf, Node
 from lmic.language.parameters import instance_symbol, rate_symbol
 from lmic.language.star import Star
-from lmic.plants.plant import Plant
+from lmic.pipeline import compile, run
+from lmic.plants.files import read_plant
+from lmic.plants.plant import Plant, exact_array
 from lmic.recover.evaluate import evaluate
 
 # Example 1 of Peixoto et al. (2025), typed here once more so that the shipped file is checked too
@@ -33,6 +39,22 @@ Values = Mapping[sp.Symbol, float]
 @pytest.fixture
 def example_1() -> Plant:
     return Plant.polytopic(name="example 1", **EXAMPLE_1)
+
+
+@pytest.fixture(scope="session")
+def first_order() -> Certificate:
+    """x⁺ = x/2 + w, z = x: the gain is 1/(1 − 1/2) = 2."""
+    matrices = {"A": [[0.5]], "B": [[1]], "C": [[1]], "D": [[0]]}
+    plant = Plant({k: MatrixPolynomial.constant(exact_array(m, k)) for k, m in matrices.items()}, name="first order")
+    return certify(run(compile(library.theorem("standard.bounded_real_discrete"), plant)))
+
+
+@pytest.fixture(scope="session")
+def table_1() -> Certificate:
+    """Table 1 of Peixoto et al. (2025), parameter-dependent."""
+    plant = read_plant(library.root() / "peixoto2025" / "example1.toml")
+    result = run(compile(library.theorem("peixoto2025.theorem1"), plant, {"eps": 150}))
+    return certify(result, given={"eps": 150})
 
 
 def leaf_values(binding: Binding, x: np.ndarray, values: Values) -> Callable[[Leaf], np.ndarray]:

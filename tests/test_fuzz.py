@@ -2,7 +2,7 @@
 
 Others of the same kind stand with what they test: bytes and damaged plant files in test_plant_files_refused.py (300),
 expressions in test_expressions.py (300), damaged problem files in test_interchange_damaged.py (2,400), damaged
-certificates in test_certify.py (1,400). With the cases here that makes more than ten thousand.
+certificates in test_certificate_files.py (1,400). With the cases here that makes more than ten thousand.
 """
 
 from __future__ import annotations
