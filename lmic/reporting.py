@@ -116,11 +116,11 @@ def print_families(problem: ConicProblem) -> None:
 
 
 def tied(ties: Mapping[str, str]) -> list[str]:
-    """Which instances were made equal, so that nothing is said of others; no line where none were."""
+    """Which instances were made equal, so that what holds for them is no more than that; no line where none were."""
     if not ties:
         return []
     pairs = ", ".join(f"[{one or 'now'}] = [{other or 'now'}]" for one, other in ties.items())
-    return [f"tied: {pairs}; of parameters that differ there nothing is said"]
+    return [f"tied: {pairs}; the LMIs are imposed only where these are equal"]
 
 
 def _independent(problem: ConicProblem) -> list[str]:
@@ -272,7 +272,7 @@ def print_solution(solution: Solution, seconds: float, proof: str = "", notes: S
     where = f", largest at {solution.worst}" if solution.violation < 0 else ""
     out.print(f"violation   {abs(solution.violation):.1e} ({relative}){where}")
     out.print(f"uncertainty {solution.uncertainty:.1e} (gap, and what mending the violation costs; relative)")
-    if solution.on_face:
+    if solution.on_face and solution.attained is None:
         out.print("attained    not known: no dual matrix is positive definite, so unknowns may grow toward the infimum")
     out.print(f"lineality   {solution.lineality} direction(s) that no LMI sees")
     return True

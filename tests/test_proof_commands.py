@@ -34,7 +34,9 @@ def test_solve_certify_verify_refute(tmp_path: Path) -> None:
     assert damaged.exit_code == 1
     assert "checksum" in damaged.stderr
     printed = ["refute", "wu2007.theorem3", "--plant", str(SECTION_5), "--grid", "r=2", "--below"]
-    assert runner.invoke(main, [*printed, "1.8469", "--set", "x=1"]).exit_code == 1
+    foreign = runner.invoke(main, [*printed, "1.8469", "--set", "x=1"])
+    assert foreign.exit_code == 1
+    assert "x is no scalar of the theorem" in foreign.stderr
 
 
 def test_what_is_reached_is_not_refuted(first_order: Certificate, tmp_path: Path) -> None:

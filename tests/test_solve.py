@@ -9,10 +9,11 @@ import pytest
 import scipy.sparse as sps
 import sympy as sp
 from conftest import EXAMPLE_1
+from test_diagonal import LEAST, ones
 
 from lmic import library
 from lmic.algebra.polynomials import MatrixPolynomial
-from lmic.dsl import PD, Data, I, Scalar, Source, Symmetric, Theorem, dims, trace
+from lmic.dsl import PD, I, Scalar
 from lmic.errors import RecoveryError
 from lmic.pipeline import compile, finish, prepare, run
 from lmic.plants.files import read_plant
@@ -111,8 +112,6 @@ def test_infeasible_is_an_answer(example_1: Plant) -> None:
     """The bounded gain cannot be negative: −δ − 1 ⪰ 0 beside the theorem leaves nothing."""
     import dataclasses
 
-    from lmic.dsl import PD, I, Scalar
-
     theorem = library.theorem("peixoto2025.theorem1")
     impossible = dataclasses.replace(
         theorem, lmis={**theorem.lmis, "impossible": PD([[-Scalar("delta") * I(1) - I(1)]])}
@@ -123,7 +122,6 @@ def test_infeasible_is_an_answer(example_1: Plant) -> None:
 
 
 def test_unbounded_is_an_answer(example_1: Plant) -> None:
-    from lmic.dsl import Scalar
 
     theorem = library.theorem("peixoto2025.theorem1")
     upside_down = replace(theorem, minimise=-Scalar("delta"))
@@ -188,14 +186,5 @@ def test_a_search_for_the_margin_that_ends_early_claims_nothing() -> None:
 
 def test_a_slack_that_vanishes_as_a_whole_is_survived() -> None:
     """The least trace of T ⪰ M is that of M: at the optimum every LMI is zero, and no coordinates come from it."""
-    (n,) = dims("n")
-    M, T, mu = Data("M", n, n, symmetric=True), Symmetric("T", n), Scalar("mu")
-    theorem = Theorem(
-        lmis={"above": PD(T - M), "trace": PD(mu * I(1) - trace(T))},
-        minimise=mu,
-        reports={"least": mu},
-        source=Source("N. N.", "A test", "unpublished", 2026),
-        name="least",
-    )
-    result = run(compile(theorem, Plant.polytopic(M=[[0, 1], [1, 0]])))
+    result = run(compile(LEAST.variant("full"), ones(2)))
     assert result.reports["least"] == pytest.approx(0, abs=1e-6)

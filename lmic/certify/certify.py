@@ -156,7 +156,7 @@ def refutation(
     assert found.lower is not None
     if not found.lower.reports:
         raise CertificateError(
-            "the theorem reports neither what it minimises nor its root, so no report is bounded; report one of them"
+            "the theorem reports no multiple of what it minimises, nor the root of one, so none is bounded; report one"
         )
     report, bound = next(iter(found.lower.reports.items()))
     return found, report, bound

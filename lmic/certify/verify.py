@@ -39,18 +39,22 @@ BUDGET = 20_000
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a certificate holds, and why not; ``cells`` is how many pieces the domain took.
+    """What a certificate proves, or why it does not hold; ``cells`` is how many pieces the domain took.
 
     ``theorem`` is the statement that it holds for, None where it does not hold; ``about_theorem`` says that
     the bound by dual matrices holds for the theorem itself, at points of the domain, and not only for its relaxation.
     """
 
-    holds: bool
     reason: str
     standing: Standing
     cells: int = 0
     about_theorem: bool = False
     theorem: Theorem | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether everything that the certificate states is proven."""
+        return self.theorem is not None
 
 
 class UnprovenError(CertificateError):
@@ -71,8 +75,8 @@ def verify(certificate: Certificate, theorem: Theorem | None = None) -> Verdict:
         stated = theorem or library.shipped(certificate.theorem)
         cells, about_theorem = proven(certificate, stated)
     except LmicError as error:
-        return Verdict(False, str(error), Standing.FAILED)
-    return Verdict(True, "", certificate.standing, cells, about_theorem, stated)
+        return Verdict(str(error), Standing.FAILED)
+    return Verdict("", certificate.standing, cells, about_theorem, stated)
 
 
 def proven(certificate: Certificate, theorem: Theorem, budget: int = BUDGET) -> tuple[int, bool]:
